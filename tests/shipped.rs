@@ -5,21 +5,10 @@ use replication::paper::models::{
 };
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{Section, Transition};
+use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Filippov, Method, Options, State, solve};
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{Run, Watcher, follow};
-
-/// Records the transitions of a run.
-#[derive(Default)]
-struct Transitions(Vec<Transition>);
-
-impl Watcher for Transitions {
-    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
-        self.0.push(at);
-        ControlFlow::Continue(())
-    }
-}
+use stickslip_kernels::kernel::follow;
 
 /// Largest difference, relative to values above 1.
 fn apart(file: &[f64], model: &[f64]) -> f64 {
@@ -36,17 +25,18 @@ fn assert_same<S: Filippov<N>, const N: usize>(name: &str, model: &S, t_end: f64
         let options = &Options::tol(1e-13).method(method);
         let orbit = solve(model, 0.0, State::from_fn(|i, _| x[i]), t_end, options).unwrap();
         assert!(orbit.transitions.len() >= 4, "{name}");
-        let t = 0.0;
-        let run = Run {
-            t,
-            x,
-            t_end,
-            options,
+        let mut seen = Vec::new();
+        let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
+            if let OrbitProgress::Transition(at) = progress {
+                seen.push(at);
+            }
+            ControlFlow::Continue(())
         };
-        let mut seen = Transitions::default();
-        let end = follow(file.dynamics(), &run, &Section::None, &mut seen).unwrap();
-        assert_eq!(seen.0.len(), orbit.transitions.len(), "{name}, {method:?}");
-        for (file, model) in seen.0.iter().zip(&orbit.transitions) {
+        let (dynamics, none) = (file.dynamics(), &Section::None);
+        let end = follow(dynamics, (0.0, x), t_end, options, none, &mut watcher);
+        let end = end.unwrap();
+        assert_eq!(seen.len(), orbit.transitions.len(), "{name}, {method:?}");
+        for (file, model) in seen.iter().zip(&orbit.transitions) {
             let what = format!("{name}, {method:?}: {file:?}, {model:?}");
             assert_eq!(
                 (file.kind, file.contact),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -200,13 +200,7 @@ class Branch(Result):
         else:
             k, label = column(self.system, what)
             curves = [self.y_max[:, k], self.y_min[:, k]]
-        _draw(axes, self.parameter, curves, self.stability)
-        for name in dict.fromkeys(self.special["name"]):
-            there = self.special[self.special["name"] == name]
-            heights = self._between(curves[0], there)
-            axes.plot(there["parameter"], heights, "o", label=name)
-        if len(self.special):
-            axes.legend()
+        _draw(self, axes, curves, lambda there: self._between(curves[0], there))
         axes.set(xlabel=self.name, ylabel=label)
         return axes
 
@@ -273,25 +267,30 @@ class EquilibriumBranch(Result):
         """
         axes = new_axes(axes)
         k, label = column(self.system, what)
-        _draw(axes, self.parameter, [self.y[:, k]], self.stability)
-        for name in dict.fromkeys(self.special["name"]):
-            there = self.special[self.special["name"] == name]
-            axes.plot(there["parameter"], there["y"][:, k], "o", label=name)
-        if len(self.special):
-            axes.legend()
+        _draw(self, axes, [self.y[:, k]], lambda there: there["y"][:, k])
         axes.set(xlabel=self.name, ylabel=label)
         return axes
 
 
-def _draw(axes: Any, parameter: Floats, curves: list[Floats], stability: list[str]) -> None:
-    """Draws curves along a parameter, solid where stable."""
-    stable = np.array([one == "stable" for one in stability], dtype=bool)
+def _draw(
+    branch: Branch | EquilibriumBranch,
+    axes: Any,
+    curves: list[Floats],
+    height: Callable[[NDArray[np.void]], Any],
+) -> None:
+    """Draws curves along a branch, solid where stable, and markers at special points."""
+    stable = np.array([one == "stable" for one in branch.stability], dtype=bool)
     # A line extends to the first point after a change.
     for of_kind, style in ((stable, "-"), (~stable, "--")):
         drawn = of_kind.copy()
         drawn[1:] |= of_kind[:-1]
         for curve in curves:
-            axes.plot(parameter, np.where(drawn, curve, np.nan), style, color="C0")
+            axes.plot(branch.parameter, np.where(drawn, curve, np.nan), style, color="C0")
+    for name in dict.fromkeys(branch.special["name"]):
+        there = branch.special[branch.special["name"] == name]
+        axes.plot(there["parameter"], height(there), "o", label=name)
+    if len(branch.special):
+        axes.legend()
 
 
 def _range(

@@ -29,11 +29,10 @@ from ._results import call_engine, make_result, structured
 from ._symbols import (
     Direction,
     Expression,
-    Parameter,
     State,
-    expression,
     out_of_bounds,
     sign_of,
+    varying,
     whole,
 )
 from ._system import System
@@ -90,9 +89,7 @@ def event(
     """
     if callable(function):
         raise TypeError("an event is a formula of symbols, as ss.event(v - 1), and no function")
-    formula = expression(function)
-    if all(isinstance(part, Parameter) for part in formula.parts):
-        raise ValueError(f"the event {formula} is constant: it has neither a state nor time")
+    formula = varying(function, "the event")
     return Event(formula, sign_of(direction), whole(terminal, "terminal", least=0))
 
 

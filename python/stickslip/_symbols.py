@@ -315,6 +315,14 @@ def expression(value: Any) -> Expression:
     raise TypeError(f"{value!r} cannot stand in a formula: symbols and numbers can")
 
 
+def varying(value: Any, what: str) -> Expression:
+    """A formula of states or time, whose zeros `what` has."""
+    formula = expression(value)
+    if all(isinstance(part, Parameter) for part in formula.parts):
+        raise ValueError(f"{what} {formula} is constant: it has neither a state nor time")
+    return formula
+
+
 def _within(value: Expression, binds: int) -> str:
     return value.text if value._binds >= binds else f"({value.text})"
 
@@ -733,6 +741,11 @@ class Jump:
         Whether the run ends at the jump.
     count : int, optional
         The run ends after this number of jumps.
+
+    Raises
+    ------
+    ValueError
+        If `when` is constant, or the jump neither sets a state nor ends the run.
     """
 
     def __init__(
@@ -752,11 +765,17 @@ class Jump:
             if not isinstance(state, (State, DiscreteState)):
                 raise TypeError(f"{state!r} is no state: the keys of set are made by ss.states")
         self.name = name
-        self.when = expression(when)
+        self.when = varying(when, "the jump's function")
         self.set = {state: expression(value) for state, value in values.items()}
         self.direction = _DIRECTIONS[sign_of(direction)]
         self.stop = bool(stop)
         self.count = None if count is None else whole(count, "count")
+        if self.stop and self.count is not None:
+            raise ValueError("stop and count say the same: stop=True is count=1")
+        if not (self.set or self.stop or self.count):
+            raise ValueError(
+                f"the jump {name} sets no state: give set={{v: -v}}, or stop=True to end the run"
+            )
 
     def __repr__(self) -> str:
         return f"<Jump {self.name} at {self.when} = 0>"

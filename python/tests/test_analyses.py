@@ -127,6 +127,9 @@ def test_an_equilibrium_of_sliding_leaves_its_boundary():
     )  # fmt: skip
     assert (high["before"], high["after"]) == ("S", "+")
     assert [low["parameter"], high["parameter"]] == pytest.approx([-1, 1], abs=1e-12)
+    changes = ss.bifurcation_diagram(system, q, [-1.5, 0.25, 1.5], [0.5, 1]).changes
+    assert changes["name"].tolist() == ["boundary-equilibrium bifurcation"] * 2
+    assert changes["parameter"] == pytest.approx([-1, 1], abs=1e-12)
 
 
 def test_a_branch_of_equilibria_is_that_of_the_program(tmp_path):
@@ -401,6 +404,13 @@ def test_a_start_outside_the_domain_is_an_outcome_of_its_own():
         found = ss.basins_of_attraction(ss.System({x: -np.log(x)}), [[0.5], [-1.0], [2.0]])
     assert found.reached.tolist() == [0, 1, 0] and found.kind == ["equilibrium", "failure"]
     assert np.allclose(found.points[0], 1)
+
+
+def test_a_section_without_a_return_has_a_remedy():
+    x = ss.state("x")
+    with pytest.raises(ss.StickslipError, match="larger `longest`, or another section") as raised:
+        ss.poincare_map(ss.System({x: -x}), x - 5, [1.0], longest=10)
+    assert raised.value.kind == "NotFound" and raised.value.t == 0
 
 
 def test_the_shortest_period_is_found_and_rest_is_told():

@@ -7,11 +7,11 @@ use super::event::{self, Event, EventKind};
 use crate::paper::models::{BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading};
 use crate::terminal::ProgramError;
 use crate::text::joined;
-use stickslip::dynamics::{DynamicsRef, Section, Transition as AnyTransition};
+use stickslip::dynamics::{DynamicsRef, OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, run,
 };
-use stickslip_kernels::kernel::{Equations, Run, Switching, Watcher, dynamics, follow};
+use stickslip_kernels::kernel::{Equations, Switching, dynamics, follow};
 use stickslip_kernels::trace::trace;
 
 /// Problem with a moving boundary: `x' = a` below, `−a` above, boundary `x − sin t`. Between events
@@ -239,13 +239,12 @@ impl PreparedProblem<'_> {
         };
         events.clear();
         let (t, t_end) = (problem.t_start, problem.t_end);
-        let run = Run {
-            t,
-            x,
-            t_end,
-            options,
+        let mut recorder = EventRecorder(events);
+        let mut watcher = |progress, _: &mut dyn OrbitUnderWay| match progress {
+            OrbitProgress::Transition(at) => recorder.record(at.kind, at.t),
+            _ => ControlFlow::Continue(()),
         };
-        let ended = follow(system, &run, &Section::None, &mut EventRecorder(events));
+        let ended = follow(system, (t, x), t_end, options, &Section::None, &mut watcher);
         let ended = ended.map(drop);
         ended.map_err(|error| problem.unsolved(options, error))
     }
@@ -267,12 +266,6 @@ impl EventRecorder<'_> {
         };
         self.0.push(Event { kind, t });
         ControlFlow::Continue(())
-    }
-}
-
-impl Watcher for EventRecorder<'_> {
-    fn transition(&mut self, at: AnyTransition) -> ControlFlow<()> {
-        self.record(at.kind, at.t)
     }
 }
 

@@ -12,7 +12,7 @@ use stickslip::dynamics::Section;
 use stickslip::{Filippov, Method, Options, State, run};
 use stickslip_kernels::file::System;
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{Run, follow};
+use stickslip_kernels::kernel::{follow, ignore};
 
 /// Time that each orbit is followed for.
 const SPAN: f64 = 100.0;
@@ -33,14 +33,15 @@ fn shipped(name: &str) -> System {
 }
 
 fn from_file(system: &System, x: &[f64], options: &Options) -> f64 {
-    let settings = Run {
-        t: 0.0,
-        x,
-        t_end: SPAN,
+    follow(
+        system.dynamics(),
+        (0.0, x),
+        SPAN,
         options,
-    };
-    follow(system.dynamics(), &settings, &Section::None, &mut ())
-        .map_or(f64::NAN, |ended| ended.x[0])
+        &Section::None,
+        &mut ignore,
+    )
+    .map_or(f64::NAN, |ended| ended.x[0])
 }
 
 fn compiled<S: Filippov<N>, const N: usize>(system: &S, x: &[f64], options: &Options) -> f64 {

@@ -3,7 +3,7 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::Error;
-use stickslip::error::{Point, readable};
+use stickslip::error::readable;
 use stickslip_kernels::file::{Interface, PeriodError, SettingError, System};
 use stickslip_kernels::study::{BOUND_OF_TIMES, SearchError};
 
@@ -49,35 +49,13 @@ pub(crate) fn words(error: &Error, system: &System) -> String {
 }
 
 /// Why a computation failed.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
 pub(crate) enum Failure {
-    Run(Error),
-    Setting(SettingError),
-    Search(SearchError),
-    Python(PyErr),
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Failure::Run(error)
-    }
-}
-
-impl From<SettingError> for Failure {
-    fn from(error: SettingError) -> Self {
-        Failure::Setting(error)
-    }
-}
-
-impl From<SearchError> for Failure {
-    fn from(error: SearchError) -> Self {
-        Failure::Search(error)
-    }
-}
-
-impl From<PyErr> for Failure {
-    fn from(error: PyErr) -> Self {
-        Failure::Python(error)
-    }
+    Run(#[from] Error),
+    Setting(#[from] SettingError),
+    Search(#[from] SearchError),
+    Python(#[from] PyErr),
 }
 
 impl Failure {
@@ -171,27 +149,8 @@ pub(crate) fn computation(kind: &str, message: &str, error: Option<&Error>) -> P
 
 /// Time and state of a failure, as far as it has them.
 fn place(error: &Error) -> (Option<f64>, Option<Vec<f64>>) {
-    let at = |t: &f64, x: &Point| (Some(*t), Some(x.0.clone()));
     match error {
-        Error::StartOutsideDomain { t, x, .. }
-        | Error::Undefined { t, x, .. }
-        | Error::NonFinite { t, x, .. }
-        | Error::StepCollapse { t, x, .. }
-        | Error::TooMany { t, x, .. }
-        | Error::Interrupted { t, x }
-        | Error::EventPileUp { t, x, .. }
-        | Error::BranchPileUp { t, x, .. }
-        | Error::Escaped { t, x, .. }
-        | Error::NoUniqueMode { t, x, .. }
-        | Error::TooManyContacts { t, x, .. }
-        | Error::DependentContacts { t, x, .. }
-        | Error::StaticBelowKinetic { t, x, .. }
-        | Error::HoldsElsewhere { t, x, .. }
-        | Error::NotAdditive { t, x, .. }
-        | Error::NoUniqueFuture { t, x }
-        | Error::Shrunk { t, x }
-        | Error::TangentSingular { t, x } => at(t, x),
         Error::NotFound { t, .. } | Error::OutsideOrbit { t, .. } => (Some(*t), None),
-        _ => (None, None),
+        _ => error.place().map(|(t, x)| (t, x.0)).unzip(),
     }
 }

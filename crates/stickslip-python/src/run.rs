@@ -7,11 +7,12 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
-    Modes, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition, Vector,
+    Modes, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition,
+    Vector,
 };
-use stickslip::{Ending, Error, TransitionKind};
+use stickslip::{Ending, Error, Options};
 use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::kernel::{Run, Watcher, follow};
+use stickslip_kernels::kernel::follow;
 
 use crate::errors::{failed, words};
 use crate::fields::{Fields, array};
@@ -66,6 +67,14 @@ struct Passages<'a> {
 }
 
 impl Passages<'_> {
+    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        match progress {
+            OrbitProgress::Step => self.check_limit(&orbit.last_step()),
+            OrbitProgress::Passage(at) => self.passed(at),
+            _ => ControlFlow::Continue(()),
+        }
+    }
+
     fn passed(&mut self, at: Passage) -> ControlFlow<()> {
         let t = at.t;
         if t > self.limit {
@@ -88,20 +97,6 @@ impl Passages<'_> {
     }
 }
 
-impl Watcher for Passages<'_> {
-    fn watches_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&mut self, step: Step, _orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        self.check_limit(&step)
-    }
-
-    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
-        self.passed(at)
-    }
-}
-
 /// Recording of an orbit for Python.
 struct Recording<'a> {
     passages: Passages<'a>,
@@ -116,12 +111,22 @@ struct Recording<'a> {
     last: (f64, Vector),
 }
 
-impl Watcher for Recording<'_> {
-    fn watches_steps(&self) -> bool {
-        true
+impl Recording<'_> {
+    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        match progress {
+            OrbitProgress::Step => return self.step(orbit),
+            OrbitProgress::Passage(at) => return self.passages.passed(at),
+            OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
+            OrbitProgress::Transition(at) if at.t <= self.passages.limit => {
+                self.transitions.push(at);
+            }
+            _ => {}
+        }
+        ControlFlow::Continue(())
     }
 
-    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+        let step = orbit.last_step();
         let decision = self.passages.check_limit(&step);
         if decision.is_continue() {
             self.points_of(&step, orbit);
@@ -133,24 +138,6 @@ impl Watcher for Recording<'_> {
         decision
     }
 
-    fn phase(&mut self, phase: Phase) -> ControlFlow<()> {
-        self.phases.push(phase);
-        ControlFlow::Continue(())
-    }
-
-    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
-        if at.t <= self.passages.limit {
-            self.transitions.push(at);
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
-        self.passages.passed(at)
-    }
-}
-
-impl Recording<'_> {
     /// Records the points in a step.
     fn points_of(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) {
         match &mut self.requested {
@@ -204,7 +191,7 @@ struct Solved<'a> {
 /// runs, and the last one records it.
 fn solved<'a>(
     systems: &[(&CompiledSystem, usize)],
-    run: &Run<'_>,
+    ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
     (requested, keeps_steps, mut limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
 ) -> Result<Solved<'a>, Error> {
@@ -227,7 +214,9 @@ fn solved<'a>(
         };
         // The error is ignored here: the recorded run fails in the same way, if it reaches that
         // point.
-        let _ = follow(system.dynamics(), run, &system.section(), &mut passages);
+        let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| passages.watch(progress, orbit);
+        let (dynamics, section) = (system.dynamics(), system.section());
+        let _ = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
         let found = passages.found;
         if *most > 0 && found.len() == *most {
             terminal = found.last().cloned();
@@ -235,7 +224,7 @@ fn solved<'a>(
         }
         events.push(found);
     }
-    let start = (run.t, Vector::from_column_slice(run.x));
+    let start = (t, Vector::from_column_slice(x));
     let mut recording = Recording {
         passages: Passages {
             found: Vec::new(),
@@ -254,12 +243,13 @@ fn solved<'a>(
         last: start,
     };
     if let Some(requested) = &mut recording.requested {
-        while requested.pop_if(|t| *t == run.t).is_some() {
+        while requested.pop_if(|time| *time == t).is_some() {
             recording.points.push(recording.last.clone());
         }
     }
-    let section = recorded.section();
-    let outcome = follow(recorded.dynamics(), run, &section, &mut recording);
+    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
+    let (dynamics, section) = (recorded.dynamics(), recorded.section());
+    let outcome = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
     let found = std::mem::take(&mut recording.passages.found);
     if *most > 0 && found.len() == *most {
         terminal = found.last().cloned();
@@ -308,32 +298,13 @@ pub(crate) fn solve<'py>(
     }
     let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
-    let run = Run {
-        t,
-        x: &x,
-        t_end,
-        options: &options,
-    };
     let mut signals = Signals::new(report);
     let wanted = (requested, dense_output, limit);
-    let solved = py.detach(|| solved(&systems, &run, wanted, &mut signals));
+    let solved = py.detach(|| solved(&systems, ((t, &x), t_end, &options), wanted, &mut signals));
     let compiled = &system.compiled;
     let solved = solved.map_err(|error| failed(&error, Some(compiled)))?;
     let fields = described(py, compiled, solved, (t, x.len()), events.len())?;
     fields.ended(signals.raised)
-}
-
-/// The name of a kind of transition.
-fn kind_name(kind: TransitionKind) -> &'static str {
-    match kind {
-        TransitionKind::StickEntry => "stick entry",
-        TransitionKind::StickExit => "stick exit",
-        TransitionKind::Crossing => "crossing",
-        TransitionKind::Touch => "touch",
-        TransitionKind::ContactLoss => "contact loss",
-        TransitionKind::ContactGain => "contact gain",
-        TransitionKind::Jump => "jump",
-    }
 }
 
 /// The result of a run, for Python.
@@ -376,9 +347,7 @@ fn described<'py>(
     let transitions = Fields::new(py);
     let all = &recording.transitions;
     transitions.numbers("t", all.iter().map(|at| at.t))?;
-    transitions.words("kind", all.iter().map(|at| at.kind), |&kind| {
-        kind_name(kind)
-    })?;
+    transitions.words("kind", all.iter().map(|at| at.kind), |kind| kind.name())?;
     let contact = |&number: &usize| system.contact_name(number);
     transitions.words("contact", all.iter().map(|at| at.contact), contact)?;
     let letters = |modes: &Modes| system.letters(modes);

@@ -71,11 +71,19 @@ impl<T, E> Outcome<(T, Result<(), E>)> {
 }
 
 impl<T, E> Outcome<Result<T, E>> {
+    /// The result, of what an interruption left, and the exception that ended it early.
+    pub(crate) fn kept(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<(T, Option<PyErr>)> {
+        match self.found {
+            Ok(found) => Ok((found, self.raised)),
+            Err(error) => Err(self.raised.unwrap_or_else(|| failed(error))),
+        }
+    }
+
     /// The result of a computation that returns nothing when interrupted.
     pub(crate) fn whole(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<T> {
-        match self.raised {
-            Some(raised) => Err(raised),
-            None => self.found.map_err(failed),
+        match self.kept(failed)? {
+            (found, None) => Ok(found),
+            (_, Some(raised)) => Err(raised),
         }
     }
 }

@@ -90,6 +90,8 @@ pub fn pile_up_in_words(accumulation: Option<&Accumulation>, span: f64, option: 
 }
 
 /// Every failure of the library's computations.
+///
+/// With the feature `serde` it is written to a file in words, and read as [`Error::Recorded`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -428,6 +430,27 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// A failure of an earlier run, in the words that were recorded of it.
+    #[error("{words}")]
+    Recorded {
+        /// The words.
+        words: String,
+    },
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Error {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Error {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let words = String::deserialize(deserializer)?;
+        Ok(Error::Recorded { words })
+    }
 }
 
 /// Checks a setting of the solver or of an analysis.
@@ -461,6 +484,36 @@ pub fn readable(value: f64) -> String {
 }
 
 impl Error {
+    /// Time and state of the failure of a run.
+    pub fn place(&self) -> Option<(f64, Point)> {
+        let mut error = self.clone();
+        error.place_mut().map(|(t, x)| (*t, x.clone()))
+    }
+
+    fn place_mut(&mut self) -> Option<(&mut f64, &mut Point)> {
+        match self {
+            Error::StartOutsideDomain { t, x, .. }
+            | Error::Undefined { t, x, .. }
+            | Error::NonFinite { t, x, .. }
+            | Error::StepCollapse { t, x, .. }
+            | Error::TooMany { t, x, .. }
+            | Error::Interrupted { t, x }
+            | Error::EventPileUp { t, x, .. }
+            | Error::BranchPileUp { t, x, .. }
+            | Error::Escaped { t, x, .. }
+            | Error::NoUniqueMode { t, x, .. }
+            | Error::TooManyContacts { t, x, .. }
+            | Error::DependentContacts { t, x, .. }
+            | Error::StaticBelowKinetic { t, x, .. }
+            | Error::HoldsElsewhere { t, x, .. }
+            | Error::NotAdditive { t, x, .. }
+            | Error::NoUniqueFuture { t, x }
+            | Error::Shrunk { t, x }
+            | Error::TangentSingular { t, x } => Some((t, x)),
+            _ => None,
+        }
+    }
+
     /// The error with states cut to so many components. Further ones only fill up a type.
     pub(crate) fn truncated(mut self, states: usize) -> Self {
         if let Error::EventPileUp {
@@ -470,26 +523,8 @@ impl Error {
         {
             accumulation.x.0.truncate(states);
         }
-        match &mut self {
-            Error::StartOutsideDomain { x, .. }
-            | Error::Undefined { x, .. }
-            | Error::NonFinite { x, .. }
-            | Error::StepCollapse { x, .. }
-            | Error::TooMany { x, .. }
-            | Error::Interrupted { x, .. }
-            | Error::EventPileUp { x, .. }
-            | Error::BranchPileUp { x, .. }
-            | Error::Escaped { x, .. }
-            | Error::NoUniqueMode { x, .. }
-            | Error::TooManyContacts { x, .. }
-            | Error::DependentContacts { x, .. }
-            | Error::StaticBelowKinetic { x, .. }
-            | Error::HoldsElsewhere { x, .. }
-            | Error::NotAdditive { x, .. }
-            | Error::NoUniqueFuture { x, .. }
-            | Error::Shrunk { x, .. }
-            | Error::TangentSingular { x, .. } => x.0.truncate(states),
-            _ => {}
+        if let Some((_, x)) = self.place_mut() {
+            x.0.truncate(states);
         }
         self
     }

@@ -24,6 +24,7 @@ pub struct Counters {
 
 /// How an orbit has reached a two-fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Approach {
     /// By sliding on Σ.
     Sliding,
@@ -33,6 +34,7 @@ pub enum Approach {
 
 /// A two-fold at which a run has ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TwoFold {
     /// How the field below is tangent to Σ.
     pub below: Visibility,

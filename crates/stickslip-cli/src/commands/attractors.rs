@@ -1,41 +1,11 @@
 //! Attractors in words, tables and JSON.
 
 use serde_json::{Value, json};
-use stickslip::Options;
-use stickslip::analysis::{RecurrenceSettings, attractor_of_many, attractors_of_many};
+use stickslip::analysis::{Attractor, AttractorKind};
 use stickslip::error::readable;
 
-use crate::failure::{Failure, in_words};
 use crate::render::{Table, by_state, place as within, significant_digits, state_words};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Motion, Outcome};
-
-/// Attractor of the orbit from `x` at time 0, for one start of many. A start outside the domain of
-/// the field or beyond the escape bound is an outcome of its own, not an error.
-pub(super) fn reached_from_one_of_many(
-    system: &System,
-    x: &[f64],
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Outcome, Failure> {
-    let reached = attractor_of_many(system.dynamics(), x, settings, options);
-    let reached = reached.map_err(|error| Failure::from(error).of(system))?;
-    Ok(Outcome::of(&reached, &|error| in_words(error, system)))
-}
-
-/// The same for several starts, whose orbits are computed side by side.
-pub(super) fn reached_from_many(
-    system: &System,
-    starts: &[Vec<f64>],
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Vec<Outcome>, Failure> {
-    let starts = starts.iter().map(Vec::as_slice);
-    let reached = attractors_of_many(system.dynamics(), starts, settings, options);
-    let reached = reached.map_err(|error| Failure::from(error).of(system))?;
-    let outcome = |reached| Outcome::of(reached, &|error| in_words(error, system));
-    Ok(reached.iter().map(outcome).collect())
-}
 
 /// Appends the phases to a text, if there are any.
 pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
@@ -50,43 +20,34 @@ pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {
 pub(super) fn columns<'a, R>(
     system: &'a System,
     table: Table<'a, R>,
-    of: impl Fn(&R) -> &Outcome + Copy + 'a,
+    of: impl Fn(&R) -> &Attractor + Copy + 'a,
 ) -> Table<'a, R> {
-    let returns = |outcome: &Outcome| match outcome.motion {
-        Motion::Periodic { returns, .. } => Some(returns),
-        _ => None,
-    };
-    fn with_points(outcome: &Outcome) -> Option<&Outcome> {
-        (!outcome.points.is_empty()).then_some(outcome)
+    fn attractor(reached: &Attractor) -> Option<&Attractor> {
+        Some(reached).filter(|reached| reached.kind.is_attractor())
     }
     table
-        .column("motion", move |row| of(row).motion.word())
+        .column("motion", move |row| of(row).kind.word())
         .column("period", move |row| {
-            rounded_period(&of(row).motion, of(row).period_uncertainty)
+            rounded_period(&of(row).kind, of(row).period_uncertainty)
         })
-        .column("returns", move |row| returns(of(row)))
+        .column("returns", move |row| match of(row).kind {
+            AttractorKind::Periodic { returns, .. } => Some(returns),
+            _ => None,
+        })
         .column("phases", move |row| {
-            with_points(of(row)).map(|outcome| system.phases(outcome))
+            attractor(of(row)).map(|one| system.phases(one))
         })
         .column("in_stick", move |row| {
-            with_points(of(row)).map(|outcome| outcome.in_stick)
+            attractor(of(row)).map(|one| one.in_stick)
         })
 }
 
 /// Period of a periodic orbit, rounded to its significant digits.
-pub(super) fn rounded_period(motion: &Motion, uncertainty: f64) -> Option<f64> {
-    match *motion {
-        Motion::Periodic { period, .. } => Some(significant_digits(period, uncertainty)),
+pub(super) fn rounded_period(kind: &AttractorKind, uncertainty: f64) -> Option<f64> {
+    match *kind {
+        AttractorKind::Periodic { period, .. } => Some(significant_digits(period, uncertainty)),
         _ => None,
     }
-}
-
-/// State of the equilibrium, if the orbit ends in one.
-pub(super) fn place(outcome: &Outcome) -> Option<String> {
-    if !matches!(outcome.motion, Motion::Equilibrium | Motion::EquilibriumSet) {
-        return None;
-    }
-    outcome.points.first().map(|(_, x)| state_words(x))
 }
 
 /// Words for the family that a periodic orbit belongs to.
@@ -94,49 +55,48 @@ pub(super) fn family_words(dimension: usize) -> String {
     format!("one of a family of periodic orbits of dimension {dimension}")
 }
 
-/// One-line description of an outcome after the time `until`.
-pub(super) fn words(system: &System, outcome: &Outcome, until: f64) -> String {
-    let word = outcome.motion.word();
-    match (&outcome.motion, place(outcome)) {
-        (Motion::Periodic { period, .. }, _) => {
-            let period = within(*period, outcome.period_uncertainty);
+/// One-line description of what an orbit has reached after the time `until`.
+pub(super) fn words(system: &System, reached: &Attractor, until: f64) -> String {
+    let word = reached.kind.word();
+    match (&reached.kind, reached.points.first()) {
+        (AttractorKind::Periodic { period, .. }, _) => {
+            let period = within(*period, reached.period_uncertainty);
             let text = format!("{word}, period {period}");
-            with_phases(text, ", phases ", &system.phases(outcome))
+            with_phases(text, ", phases ", &system.phases(reached))
         }
-        (_, Some(place)) => format!("{word} at {place}"),
+        (AttractorKind::Equilibrium | AttractorKind::EquilibriumSet, Some(at)) => {
+            format!("{word} at {}", state_words(at.x.as_slice()))
+        }
         // If several starts fail, the error of the first is shown.
-        (Motion::Failure(error), _) => format!("{word}, first as {error}"),
+        (AttractorKind::Failure(error), _) => format!("{word}, first as {error}"),
         _ => since(word, until),
     }
 }
 
 /// The word for a motion. An undecided one includes the time.
 pub(super) fn since(word: &str, until: f64) -> String {
-    if word == Motion::Undecided.word() {
+    if word == AttractorKind::Undecided.word() {
         format!("{word} after {}", readable(until))
     } else {
         word.to_owned()
     }
 }
 
-/// Outcome as JSON.
-pub(super) fn json(outcome: &Outcome, system: &System) -> Value {
-    let points: Vec<Value> = outcome
-        .points
-        .iter()
-        .map(|(t, x)| json!({ "t": t, "x": by_state(system, x) }))
-        .collect();
-    let (period, returns) = match outcome.motion {
-        Motion::Periodic { period, returns } => (Some(period), Some(returns)),
+/// An attractor as JSON.
+pub(super) fn json(reached: &Attractor, system: &System) -> Value {
+    let points = reached.points.iter();
+    let points = points.map(|at| json!({ "t": at.t, "x": by_state(system, at.x.as_slice()) }));
+    let (period, returns) = match reached.kind {
+        AttractorKind::Periodic { period, returns } => (Some(period), Some(returns)),
         _ => (None, None),
     };
     json!({
-        "motion": outcome.motion.word(),
+        "motion": reached.kind.word(),
         "period": period,
-        "period_uncertainty": period.map(|_| outcome.period_uncertainty),
+        "period_uncertainty": period.map(|_| reached.period_uncertainty),
         "returns": returns,
-        "phases": system.phases(outcome).split_whitespace().collect::<Vec<_>>(),
-        "in_stick": outcome.in_stick,
-        "points": points,
+        "phases": system.phases(reached).split_whitespace().collect::<Vec<_>>(),
+        "in_stick": reached.in_stick,
+        "points": points.collect::<Value>(),
     })
 }

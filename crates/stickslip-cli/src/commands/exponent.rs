@@ -1,6 +1,7 @@
 //! The largest Lyapunov exponent of an attractor, in tables.
 
-use stickslip_kernels::study::Largest;
+use stickslip::analysis::Exponent;
+use stickslip_kernels::study::largest::numbers;
 
 use crate::render::Table;
 
@@ -9,9 +10,9 @@ use crate::render::Table;
 pub(super) fn columns<'a, R>(
     table: Table<'a, R>,
     duration: f64,
-    of: impl Fn(&R) -> Largest + Copy + 'a,
+    of: impl Fn(&R) -> Option<Exponent> + Copy + 'a,
 ) -> Table<'a, R> {
-    let numbers = move |row: &R| of(row).numbers(duration);
+    let numbers = move |row: &R| numbers(of(row), duration);
     table
         .column("lambda1", move |row| numbers(row)[0])
         .column("std_error", move |row| numbers(row)[1])
@@ -32,11 +33,11 @@ mod tests {
             f64::NEG_INFINITY,
             f64::MIN_POSITIVE,
         ] {
-            let one = Largest::Finite {
+            let one = Exponent::Finite {
                 value: number,
                 std_error: -number,
             };
-            let read: Largest = from_content(&to_content(&one).unwrap()).unwrap();
+            let read: Exponent = from_content(&to_content(&one).unwrap()).unwrap();
             assert_eq!(read, one);
         }
         let undefined: f64 = from_content(&to_content(&f64::NAN).unwrap()).unwrap();

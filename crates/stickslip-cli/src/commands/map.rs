@@ -6,19 +6,17 @@ use std::path::Path;
 use plot::{Axis, Cells, Color, Figure, LIGHT_GREY, Legend, PURPLE, Panel, SKY, WHITE};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use stickslip::analysis::{AttractorKind, Exponent, attractor_of_many};
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments};
 use super::range::{ParameterRange, grid, middle, with_values};
-use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, sweep, table, to_content,
-};
+use super::sweeping::{ExponentArguments, Sweep, SweepArguments, UntilArguments, sweep, table};
 use super::{attractors, exponent, figures};
-use crate::failure::Failure;
+use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table};
-use crate::sweep::{BlockError, Store};
+use crate::sweep::Store;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::Motion;
-use stickslip_kernels::study::{Largest, recurrence};
+use stickslip_kernels::study::{largest, recurrence, reported};
 
 /// Show the attractor of the orbit from the start, over a plane of two parameters
 ///
@@ -125,20 +123,23 @@ impl Map {
         let system = self.system(system, self.parameters(column, row))?;
         let (settings, options) = (recurrence(&system, self.until), self.solver.options()?);
         let start = self.start.at_zero(&system, &[])?;
-        let outcome = attractors::reached_from_one_of_many(&system, &start, &settings, &options)?;
-        let is_there = !outcome.points.is_empty();
+        let reached = attractor_of_many(system.dynamics(), &*start, &settings, &options);
+        let reached = reached.map_err(|error| Failure::from(error).of(&system))?;
+        let reached = reported(reached, |error| in_words(error, &system));
         Ok(Cell {
-            phases: system.phases(&outcome),
-            in_stick: is_there.then_some(outcome.in_stick),
-            largest: Largest::on(&system, &outcome, self.duration, &options),
-            period_uncertainty: outcome.period_uncertainty,
-            motion: outcome.motion,
+            phases: system.phases(&reached),
+            in_stick: reached.kind.is_attractor().then_some(reached.in_stick),
+            largest: largest::on(&system, &reached, self.duration, &options),
+            period_uncertainty: reached.period_uncertainty,
+            kind: reached.kind,
         })
     }
 }
 
 impl Sweep for Map {
     const COMMAND: &'static str = "map";
+
+    type Block = Vec<Cell>;
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
         (self.rows, NonZeroUsize::MIN)
@@ -147,12 +148,13 @@ impl Sweep for Map {
     fn block(
         &self,
         system: &System,
-        index: usize,
-        _before: Option<&[u8]>,
-    ) -> Result<Vec<u8>, BlockError> {
-        let cells = (0..self.columns.get()).map(|column| self.cell(system, column, index));
-        let cells: Vec<Cell> = cells.collect::<Result<_, _>>()?;
-        to_content(&cells)
+        row: usize,
+        _: Option<Vec<Cell>>,
+    ) -> Result<Vec<Cell>, Failure> {
+        let columns = 0..self.columns.get();
+        columns
+            .map(|column| self.cell(system, column, row))
+            .collect()
     }
 
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
@@ -190,21 +192,21 @@ impl Sweep for Map {
 
 /// Result at one pair of parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Cell {
-    motion: Motion,
+pub(super) struct Cell {
+    kind: AttractorKind,
     period_uncertainty: f64,
     /// The phases of a period, independent of where it begins. Empty where phases do not
     /// distinguish motions.
     phases: String,
     /// Fraction of time in stick, if there is an attractor.
     in_stick: Option<f64>,
-    largest: Largest,
+    largest: Option<Exponent>,
 }
 
 impl Cell {
     /// The kind of motion; for an attractor also its phases.
     fn class(&self) -> String {
-        let word = self.motion.word();
+        let word = self.kind.word();
         if self.phases.is_empty() {
             return word.to_owned();
         }
@@ -225,7 +227,7 @@ struct CellShown {
     /// Index of the class.
     class: usize,
     in_stick: Option<f64>,
-    largest: Largest,
+    largest: Option<Exponent>,
 }
 
 /// Cells of one kind of motion.
@@ -256,9 +258,9 @@ impl Map {
         let columns = Table::new()
             .column(&x.name, |(at, _): &Row| at[0])
             .column(&y.name, |(at, _)| at[1])
-            .column("motion", |(_, cell)| cell.motion.word())
+            .column("motion", |(_, cell)| cell.kind.word())
             .column("period", |(_, cell)| {
-                attractors::rounded_period(&cell.motion, cell.period_uncertainty)
+                attractors::rounded_period(&cell.kind, cell.period_uncertainty)
             })
             .column("phases", |(_, cell)| cell.phases.clone())
             .column("in_stick", |(_, cell)| cell.in_stick);
@@ -270,7 +272,7 @@ impl Map {
                 let class = known.unwrap_or_else(|| {
                     classes.push(Class {
                         name,
-                        is_attractor: cell.motion.is_attractor(),
+                        is_attractor: cell.kind.is_attractor(),
                         cells: 0,
                     });
                     classes.len() - 1
@@ -409,7 +411,7 @@ fn layer(
 /// Layers of exponents of one sign, in quarters of their range from zero.
 fn quarters(cells: &[CellShown], sign: f64, colours: [Color; 4]) -> Vec<Option<Layer>> {
     let size = |cell: &CellShown| match cell.largest {
-        Largest::Finite { value, .. } if !cell.largest.is_zero() => Some(sign * value),
+        Some(one @ Exponent::Finite { value, .. }) if !largest::is_zero(one) => Some(sign * value),
         _ => None,
     };
     let most = cells.iter().filter_map(size).fold(0.0, f64::max);
@@ -431,15 +433,15 @@ fn quarters(cells: &[CellShown], sign: f64, colours: [Color; 4]) -> Vec<Option<L
 }
 
 fn exponents(cells: &[CellShown]) -> Vec<Layer> {
-    let is = |what: Largest| move |cell: &CellShown| cell.largest == what;
-    let annihilated = is(Largest::Annihilated);
-    let zero = |cell: &CellShown| cell.largest.is_zero();
+    let is = |what: Option<Exponent>| move |cell: &CellShown| cell.largest == what;
+    let annihilated = is(Some(Exponent::Annihilated));
+    let zero = |cell: &CellShown| cell.largest.is_some_and(largest::is_zero);
     let mut layers = vec![layer(cells, annihilated, PURPLE, "−∞: stick takes all")];
     // The most negative first.
     layers.extend(quarters(cells, -1.0, BLUES).into_iter().rev());
     layers.push(layer(cells, zero, LIGHT_GREY, "0 within its error"));
     layers.extend(quarters(cells, 1.0, REDS));
-    layers.push(layer(cells, is(Largest::Unmeasured), WHITE, "no attractor"));
+    layers.push(layer(cells, is(None), WHITE, "no attractor"));
     layers.into_iter().flatten().collect()
 }
 

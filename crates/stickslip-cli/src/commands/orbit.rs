@@ -8,10 +8,8 @@ use super::trajectory;
 use crate::failure::Failure;
 use crate::render::{CommandOutput, Report, Table, by_state, explained};
 use stickslip::analysis::{Stability, multipliers};
-use stickslip::dynamics::Section;
 use stickslip::error::readable;
-use stickslip_kernels::kernel::{Run, follow};
-use stickslip_kernels::study::{Extremes, PhasesOfPeriod};
+use stickslip_kernels::study::{extremes, phases_of_period};
 
 /// Find the periodic orbit that a run approaches, by shooting
 ///
@@ -38,19 +36,9 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
     } = prepared;
     let (orbit, periods) = search.periodic_orbit(system, (prepared.t, &prepared.x), options)?;
     let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
-    let mut recording = Recording::new(orbit.t, x, t_end);
-    let once = Run {
-        t: orbit.t,
-        x,
-        t_end,
-        options,
-    };
-    let outcome = follow(system.dynamics(), &once, &system.section(), &mut recording);
-    recording.close();
+    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options);
     outcome?;
-    let mut extremes = Extremes::from(x);
-    follow(system.dynamics(), &once, &Section::None, &mut extremes)?;
-    let extremes = extremes.ranges();
+    let (extremes, _) = extremes(system.dynamics(), (orbit.t, x), t_end, options)?;
 
     let mut report = Report::of(system, "periodic orbit");
     let drive = match periods {
@@ -98,9 +86,7 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         report.line("family", family_words(orbit.family));
     }
 
-    let phases = PhasesOfPeriod::of(&recording.phases);
-    let stick = phases.stick;
-    let modes = phases.cycle();
+    let (modes, stick) = phases_of_period(&recording.phases);
     let percent = 100.0 * stick / orbit.period;
     if let Some(phases) = explained(system, &modes) {
         report.line("phases", phases);

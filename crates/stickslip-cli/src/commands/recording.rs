@@ -3,14 +3,14 @@
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    Kink, Modes, Moment, OrbitUnderWay, Passage, Phase, Step, Transition, Vector,
+    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Summary, Transition, Vector,
 };
-use stickslip::{Direction, Mode, TransitionKind};
+use stickslip::{Direction, Error, Mode, Options, TransitionKind};
 
 use crate::render::input_name;
 use crate::terminal::DelayedProgressBar;
 use stickslip_kernels::file::{InputShape, System};
-use stickslip_kernels::kernel::Watcher;
+use stickslip_kernels::kernel::follow;
 
 /// Minimum number of parts of a step for a curve through the orbit. Steps of high order are long,
 /// so that a curve through their ends alone would be a polygon.
@@ -73,10 +73,10 @@ impl Occurrence {
     /// Name of the event in tables.
     pub(super) fn kind(&self, system: &System) -> &'static str {
         match self {
-            Occurrence::Transition(at) => kind_name(at.kind),
+            Occurrence::Transition(at) => at.kind.name(),
             Occurrence::Kink(at) => match system.file.inputs[at.input].shape {
-                InputShape::Switch(_) => KINDS[7],
-                _ => KINDS[8],
+                InputShape::Switch(_) => "switch",
+                _ => "kink",
             },
         }
     }
@@ -103,71 +103,49 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    pub(super) fn new(t: f64, x: &[f64], t_end: f64) -> Self {
-        Recording {
+    /// Records a run, and returns how it ended.
+    pub(super) fn of(
+        system: &System,
+        start: (f64, &[f64]),
+        t_end: f64,
+        options: &Options,
+    ) -> (Self, Result<Summary, Error>) {
+        let (t, x) = (start.0, Vector::from_column_slice(start.1));
+        let mut recording = Recording {
             phases: Vec::new(),
             transitions: Vec::new(),
             passages: Vec::new(),
+            extent: x.iter().map(|&x| (x, x)).collect(),
             points: vec![Point {
                 t,
-                x: Vector::from_column_slice(x),
+                x,
                 ends_step: true,
             }],
-            extent: x.iter().map(|&x| (x, x)).collect(),
             span: (t, t_end),
             progress: DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go"),
-        }
-    }
-
-    /// Records the points of a step between two moments, and the second one.
-    fn part(&mut self, solution: &dyn Fn(f64) -> Vector, from: &Moment, to: Moment, deep: u32) {
-        let t = 0.5 * (from.t + to.t);
-        if deep > 0 {
-            let x = solution(t);
-            let ends = from.x.iter().zip(&to.x);
-            let mut states = x.iter().zip(ends).zip(&self.extent);
-            let is_bent = states.any(|((x, (a, b)), &(low, high))| {
-                let rounding = ROUNDING * low.abs().max(high.abs());
-                (x - 0.5 * (a + b)).abs() > CHORD_TOLERANCE * (high - low) + rounding
-            });
-            if is_bent {
-                let middle = Moment { t, x };
-                self.part(solution, from, middle.clone(), deep - 1);
-                return self.part(solution, &middle, to, deep - 1);
+        };
+        let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
+            match progress {
+                OrbitProgress::Step => recording.step(orbit),
+                OrbitProgress::PhaseEnd(phase) => recording.phases.push(phase),
+                OrbitProgress::Transition(at) => {
+                    recording.transitions.push(Occurrence::Transition(at));
+                }
+                OrbitProgress::Kink(at) => recording.transitions.push(Occurrence::Kink(at)),
+                OrbitProgress::Passage(at) => recording.passages.push(at),
+                OrbitProgress::End(_) => {}
             }
-        }
-        let (Moment { t, x }, ends_step) = (to, false);
-        self.points.push(Point { t, x, ends_step });
+            ControlFlow::Continue(())
+        };
+        let (dynamics, section) = (system.dynamics(), system.section());
+        let ended = follow(dynamics, start, t_end, options, &section, &mut watcher);
+        recording.progress.clear();
+        (recording, ended)
     }
 
-    /// Removes the progress of the run from the terminal.
-    pub(super) fn close(&self) {
-        self.progress.clear();
-    }
-
-    /// Intervals of time in which a contact sticks, independent of the other contacts.
-    pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
-        let mut sticks: Vec<(f64, f64)> = Vec::new();
-        for phase in &self.phases {
-            if phase.mode.get(contact) != Mode::Stick {
-                continue;
-            }
-            match sticks.last_mut() {
-                Some(last) if last.1 == phase.t_start => last.1 = phase.t_end,
-                _ => sticks.push((phase.t_start, phase.t_end)),
-            }
-        }
-        sticks
-    }
-}
-
-impl Watcher for Recording {
-    fn watches_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        let solution = orbit.solution();
+    /// Records the points of a step.
+    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) {
+        let (step, solution) = (orbit.last_step(), orbit.solution());
         for ((low, high), &x) in self.extent.iter_mut().zip(&step.x_end) {
             (*low, *high) = (low.min(x), high.max(x));
         }
@@ -200,27 +178,42 @@ impl Watcher for Recording {
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
         self.progress
             .done((part * FINENESS) as u64, FINENESS as u64);
-        ControlFlow::Continue(())
     }
 
-    fn phase(&mut self, phase: Phase) -> ControlFlow<()> {
-        self.phases.push(phase);
-        ControlFlow::Continue(())
+    /// Records the points of a step between two moments, and the second one.
+    fn part(&mut self, solution: &dyn Fn(f64) -> Vector, from: &Moment, to: Moment, deep: u32) {
+        let t = 0.5 * (from.t + to.t);
+        if deep > 0 {
+            let x = solution(t);
+            let ends = from.x.iter().zip(&to.x);
+            let mut states = x.iter().zip(ends).zip(&self.extent);
+            let is_bent = states.any(|((x, (a, b)), &(low, high))| {
+                let rounding = ROUNDING * low.abs().max(high.abs());
+                (x - 0.5 * (a + b)).abs() > CHORD_TOLERANCE * (high - low) + rounding
+            });
+            if is_bent {
+                let middle = Moment { t, x };
+                self.part(solution, from, middle.clone(), deep - 1);
+                return self.part(solution, &middle, to, deep - 1);
+            }
+        }
+        let (Moment { t, x }, ends_step) = (to, false);
+        self.points.push(Point { t, x, ends_step });
     }
 
-    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
-        self.transitions.push(Occurrence::Transition(at));
-        ControlFlow::Continue(())
-    }
-
-    fn kink(&mut self, at: Kink) -> ControlFlow<()> {
-        self.transitions.push(Occurrence::Kink(at));
-        ControlFlow::Continue(())
-    }
-
-    fn passage(&mut self, at: Passage) -> ControlFlow<()> {
-        self.passages.push(at);
-        ControlFlow::Continue(())
+    /// Intervals of time in which a contact sticks, independent of the other contacts.
+    pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
+        let mut sticks: Vec<(f64, f64)> = Vec::new();
+        for phase in &self.phases {
+            if phase.mode.get(contact) != Mode::Stick {
+                continue;
+            }
+            match sticks.last_mut() {
+                Some(last) if last.1 == phase.t_start => last.1 = phase.t_end,
+                _ => sticks.push((phase.t_start, phase.t_end)),
+            }
+        }
+        sticks
     }
 }
 
@@ -236,19 +229,6 @@ pub(super) const KINDS: [&str; 9] = [
     "switch",
     "kink",
 ];
-
-/// Name of a kind of transition in tables.
-fn kind_name(kind: TransitionKind) -> &'static str {
-    match kind {
-        TransitionKind::StickEntry => KINDS[0],
-        TransitionKind::StickExit => KINDS[1],
-        TransitionKind::Crossing => KINDS[2],
-        TransitionKind::Touch => KINDS[3],
-        TransitionKind::ContactLoss => KINDS[4],
-        TransitionKind::ContactGain => KINDS[5],
-        TransitionKind::Jump => KINDS[6],
-    }
-}
 
 /// Name of a direction in tables.
 pub(super) fn direction_name(direction: Direction) -> &'static str {

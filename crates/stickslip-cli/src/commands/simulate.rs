@@ -11,7 +11,6 @@ use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, by_state};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Run, follow};
 
 /// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///
@@ -42,15 +41,7 @@ fn followed(prepared: &PreparedRun, t_end: Option<f64>) -> Result<Report, Failur
     let t_end = t_end.or(system.built.t_end).ok_or_else(|| {
         Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
     })?;
-    let mut recording = Recording::new(*t, x, t_end);
-    let run = Run {
-        t: *t,
-        x,
-        t_end,
-        options,
-    };
-    let outcome = follow(system.dynamics(), &run, &system.section(), &mut recording);
-    recording.close();
+    let (recording, outcome) = Recording::of(system, (*t, x), t_end, options);
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {

@@ -106,6 +106,9 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
     /// Name of the command.
     const COMMAND: &'static str;
 
+    /// Content of a block.
+    type Block: Serialize + DeserializeOwned;
+
     /// Number of chains of blocks, and of blocks in each.
     fn size(&self) -> (NonZeroUsize, NonZeroUsize);
 
@@ -114,8 +117,8 @@ pub(super) trait Sweep: Serialize + DeserializeOwned + Sync {
         &self,
         system: &System,
         index: usize,
-        before: Option<&[u8]>,
-    ) -> Result<Vec<u8>, BlockError>;
+        before: Option<Self::Block>,
+    ) -> Result<Self::Block, Failure>;
 
     /// Reports the results of all blocks. Tables that may not fit into memory are written to the
     /// folder `out`.
@@ -186,7 +189,10 @@ pub(super) fn sweep<S: Sweep>(
     let computed = run(
         &task,
         &|done, all| progress.done(done as u64, all as u64),
-        |index, before| wanted.block(&system, index, before),
+        |index, before| {
+            let before = before.map(from_content).transpose()?;
+            to_content(&wanted.block(&system, index, before)?)
+        },
     );
     progress.clear();
     let computed = computed?;

@@ -2,27 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{Section, Summary, Transition};
+use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section, Summary};
 use stickslip::{Method, Options, TransitionKind};
 use stickslip_kernels::file::Source;
 use stickslip_kernels::file::System;
 use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{Run, Watcher, follow};
+use stickslip_kernels::kernel::follow;
 
 /// A transition: kind, contact, time and state.
 pub type Event = (TransitionKind, usize, f64, Vec<f64>);
-
-/// The transitions of a run.
-#[derive(Default)]
-pub struct Events(pub Vec<Event>);
-
-impl Watcher for Events {
-    fn transition(&mut self, at: Transition) -> ControlFlow<()> {
-        self.0
-            .push((at.kind, at.contact, at.t, at.x.as_slice().to_vec()));
-        ControlFlow::Continue(())
-    }
-}
 
 /// A shipped model, or a file.
 pub fn open(file: &str) -> System {
@@ -48,13 +36,21 @@ pub fn methods() -> [Options; 2] {
 /// A run from the start in the file.
 pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Event>) {
     let x = system.start().expect("the file has a start");
-    let run = Run {
-        t: system.built.t_start,
-        x: &x,
+    let mut events = Vec::new();
+    let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
+        if let OrbitProgress::Transition(at) = progress {
+            events.push((at.kind, at.contact, at.t, at.x.as_slice().to_vec()));
+        }
+        ControlFlow::Continue(())
+    };
+    let (dynamics, start) = (system.dynamics(), (system.built.t_start, &*x));
+    let ended = follow(
+        dynamics,
+        start,
         t_end,
         options,
-    };
-    let mut events = Events::default();
-    let ended = follow(system.dynamics(), &run, &Section::None, &mut events).unwrap();
-    (ended, events.0)
+        &Section::None,
+        &mut watcher,
+    );
+    (ended.unwrap(), events)
 }

@@ -72,34 +72,37 @@ impl<'a> Parser<'a> {
         Some(place.clone())
     }
 
-    fn sum(&mut self) -> Parsed {
-        let mut left = self.product()?;
+    /// Operands joined by operators of one precedence, which group to the left.
+    fn chain(
+        &mut self,
+        operand: fn(&mut Self) -> Parsed,
+        operators: [(Token, Binary); 2],
+    ) -> Parsed {
+        let mut left = operand(self)?;
         loop {
-            let operator = if self.take(&Token::Plus).is_some() {
-                Binary::Sum
-            } else if self.take(&Token::Minus).is_some() {
-                Binary::Difference
-            } else {
+            let mut operators = operators.iter();
+            let Some((_, operator)) = operators.find(|(token, _)| self.take(token).is_some())
+            else {
                 return Ok(left);
             };
-            let right = self.product()?;
-            left = joined(operator, left, right);
+            left = joined(*operator, left, operand(self)?);
         }
     }
 
+    fn sum(&mut self) -> Parsed {
+        let operators = [
+            (Token::Plus, Binary::Sum),
+            (Token::Minus, Binary::Difference),
+        ];
+        self.chain(Self::product, operators)
+    }
+
     fn product(&mut self) -> Parsed {
-        let mut left = self.signed()?;
-        loop {
-            let operator = if self.take(&Token::Times).is_some() {
-                Binary::Product
-            } else if self.take(&Token::Over).is_some() {
-                Binary::Quotient
-            } else {
-                return Ok(left);
-            };
-            let right = self.signed()?;
-            left = joined(operator, left, right);
-        }
+        let operators = [
+            (Token::Times, Binary::Product),
+            (Token::Over, Binary::Quotient),
+        ];
+        self.chain(Self::signed, operators)
     }
 
     fn signed(&mut self) -> Parsed {

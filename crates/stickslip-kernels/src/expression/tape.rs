@@ -249,6 +249,12 @@ impl<'a> Layout<'a> {
         let node = self.graph.node(Id::of(i));
         let value = |id: Id| self.graph.value(id);
         use Operation as Op;
+        // The operation of two numbers, and those with a constant on the left and on the right.
+        let joined = |a: Id, b: Id, [both, left, right]: [Op; 3]| match (value(a), value(b)) {
+            (Some(c), _) => (left, b, None, c),
+            (_, Some(c)) => (right, a, None, c),
+            _ => (both, a, Some(b), 0.0),
+        };
         let (operation, a, b, constant) = match node {
             // A constant is part of the operation that uses it, or else is loaded there.
             Node::Constant(_) => return Ok(()),
@@ -257,26 +263,19 @@ impl<'a> Layout<'a> {
                 return Ok(());
             }
             Node::Negative(a) => (Op::Negate, a, None, 0.0),
-            Node::Sum(a, b) => match (value(a), value(b)) {
-                (Some(c), _) => (Op::AddConstant, b, None, c),
-                (_, Some(c)) => (Op::AddConstant, a, None, c),
-                _ => (Op::Add, a, Some(b), 0.0),
-            },
-            Node::Difference(a, b) => match (value(a), value(b)) {
-                (Some(c), _) => (Op::SubtractFromConstant, b, None, c),
-                (_, Some(c)) => (Op::SubtractConstant, a, None, c),
-                _ => (Op::Subtract, a, Some(b), 0.0),
-            },
-            Node::Product(a, b) => match (value(a), value(b)) {
-                (Some(c), _) => (Op::MultiplyConstant, b, None, c),
-                (_, Some(c)) => (Op::MultiplyConstant, a, None, c),
-                _ => (Op::Multiply, a, Some(b), 0.0),
-            },
-            Node::Quotient(a, b) => match (value(a), value(b)) {
-                (Some(c), _) => (Op::DivideConstant, b, None, c),
-                (_, Some(c)) => (Op::DivideByConstant, a, None, c),
-                _ => (Op::Divide, a, Some(b), 0.0),
-            },
+            Node::Sum(a, b) => joined(a, b, [Op::Add, Op::AddConstant, Op::AddConstant]),
+            Node::Difference(a, b) => {
+                let operations = [Op::Subtract, Op::SubtractFromConstant, Op::SubtractConstant];
+                joined(a, b, operations)
+            }
+            Node::Product(a, b) => {
+                let operations = [Op::Multiply, Op::MultiplyConstant, Op::MultiplyConstant];
+                joined(a, b, operations)
+            }
+            Node::Quotient(a, b) => {
+                let operations = [Op::Divide, Op::DivideConstant, Op::DivideByConstant];
+                joined(a, b, operations)
+            }
             Node::IntegerPower(a, n) => (
                 Op::Called(CalledOperation::IntegerPower),
                 a,

@@ -97,34 +97,24 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
             '(' => Token::Open,
             ')' => Token::Close,
             ',' => Token::Comma,
-            '|' => {
-                return Err(
-                    SyntaxError::new("`|` does not belong into an expression", place).help(
+            _ => {
+                let help = match c {
+                    '|' => Some(
                         "the magnitude of a slip speed is the contact's sign times the speed; an \
                         absolute value is `abs(…)`",
                     ),
-                );
-            }
-            '<' | '>' | '=' | '?' | '!' | '&' => {
-                return Err(SyntaxError::new(
-                    format!("`{c}` does not belong into an expression"),
-                    place,
-                )
-                .help(
-                    "what differs from side to side of a contact is `by_side(contact, below, \
+                    '<' | '>' | '=' | '?' | '!' | '&' => Some(
+                        "what differs from side to side of a contact is `by_side(contact, below, \
                             above)`; bounds are `min` and `max`",
-                ));
-            }
-            '[' | '{' => {
-                return Err(SyntaxError::new(
-                    format!("`{c}` does not belong into an expression"),
-                    place,
-                )
-                .help("group by round brackets: (…)"));
-            }
-            _ => {
+                    ),
+                    '[' | '{' => Some("group by round brackets: (…)"),
+                    _ => None,
+                };
                 let message = format!("`{c}` does not belong into an expression");
-                return Err(SyntaxError::new(message, place));
+                return Err(SyntaxError {
+                    help: help.map(str::to_owned),
+                    ..SyntaxError::new(message, place)
+                });
             }
         };
         found.push((token, place));

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use stickslip::error::readable;
 
-use super::builder::{Builder, Freed, Inputs, Scope, no_number};
+use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
+use super::names::Names;
 use super::problem::Problem;
 use super::{Formula, InputShape, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
@@ -41,17 +42,18 @@ pub struct Built {
 
 /// The value of an expression without variables.
 pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
-    let mut graph = Graph::new();
-    let built = Builder::of_numbers(&mut graph, "the value of a parameter").formula(formula)?;
-    // An expression of constants folds to one number.
-    Ok(graph.value(built).unwrap_or(f64::NAN))
+    let file = SystemFile {
+        names: Names::constants(),
+        ..SystemFile::default()
+    };
+    folded(&file, &[], formula, NUMBERS)
 }
 
 /// Checks every expression of the file, used or not.
 pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
     let mut graph = Graph::new();
     let values = values(file);
-    let scope = Scope::Sides { above: 0, held: 0 };
+    let scope = Scope::Sides(Combination { above: 0, held: 0 });
     let mut builder = Builder::new(file, Inputs::fixed(&values), &mut graph, scope);
     for definition in 0..file.definitions.len() {
         builder.definition(definition)?;
@@ -100,7 +102,7 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
             )));
         }
     }
-    built(file, &values, Variant::AsWritten).map(drop)
+    built(file, &values, NONE_FREE).map(drop)
 }
 
 /// The parameter values given in the file.
@@ -111,31 +113,17 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
         .collect()
 }
 
-/// How parameters and time enter the tapes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Variant {
-    /// As in the file.
-    AsWritten,
-    /// These parameters become states with zero rates, after those of the file. Time is scaled so
-    /// that the period, if there is one, stays what it is for the given values.
-    Free(Freed),
-    /// Time is scaled so that the period, if there is one, has this value.
-    InPeriod(f64),
-}
-
-/// Builds the tapes for these parameter values.
+/// Builds the tapes for these parameter values. The `free` parameters become states with zero
+/// rates, after those of the file. Time is scaled so that the period, if there is one, stays what
+/// it is for the given values.
 ///
 /// # Errors
 /// [`Problem`] if a constant part of an expression is not a finite number, or an expression is too
 /// large.
-pub(crate) fn built(
-    file: &Arc<SystemFile>,
-    values: &[f64],
-    variant: Variant,
-) -> Result<Built, Problem> {
+pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, Problem> {
     let mut graph = Graph::new();
     let period = period(file, values)?;
-    let inputs = inputs(file, values, variant, &mut graph)?;
+    let inputs = inputs(file, values, free, &mut graph)?;
     let contacts = file.contacts.len();
     let mut depends_on_time = false;
 
@@ -145,7 +133,7 @@ pub(crate) fn built(
         .any(|contact| contact.holding.is_some());
     let fields = {
         let (file, values) = (Arc::clone(file), values.to_vec());
-        let make = move |of| Some(field(&file, &values, variant, of).ok()?.0);
+        let make = move |of| Some(field(&file, &values, free, of).ok()?.0);
         Fields::new(contacts, Arc::new(make))
     };
     for above in sides_to_check(contacts) {
@@ -157,7 +145,7 @@ pub(crate) fn built(
         };
         for held in held_ones {
             let of = Combination { above, held };
-            let (tape, is_timed) = field(file, values, variant, of)?;
+            let (tape, is_timed) = field(file, values, free, of)?;
             depends_on_time |= is_timed;
             fields.keep(of, &tape);
         }
@@ -208,7 +196,7 @@ pub(crate) fn built(
         .transpose()?;
     let time = |formula: &Option<Formula>, what| {
         let formula = formula.as_ref();
-        let value = formula.map(|formula| constant(file, values, formula, what));
+        let value = formula.map(|formula| folded(file, values, formula, Scope::Constant(what)));
         value.transpose()
     };
     let t_start = time(&file.time.start, "the start of a run")?.unwrap_or(0.0);
@@ -351,14 +339,12 @@ fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
 fn field(
     file: &SystemFile,
     values: &[f64],
-    variant: Variant,
+    free: Freed,
     of: Combination,
 ) -> Result<(Tape, bool), Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, variant, &mut graph)?;
-    let Combination { above, held } = of;
-    let scope = Scope::Sides { above, held };
-    let rates = Builder::new(file, inputs, &mut graph, scope).field()?;
+    let inputs = inputs(file, values, free, &mut graph)?;
+    let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
     Ok((tape(file, &graph, &rates, inputs)?, is_timed))
 }
@@ -374,19 +360,15 @@ fn tape(
     Tape::new(graph, roots, states).map_err(too_large)
 }
 
-/// Parameters and time of a variant.
+/// Parameters and time, of which some parameters are free.
 fn inputs<'a>(
     file: &SystemFile,
     values: &'a [f64],
-    variant: Variant,
+    free: Freed,
     graph: &mut Graph,
 ) -> Result<Inputs<'a>, Problem> {
-    let (free, reference) = match variant {
-        Variant::AsWritten => ([None; 2], period(file, values)?),
-        Variant::Free(freed) => (freed, period(file, values)?),
-        Variant::InPeriod(reference) => ([None; 2], Some(reference)),
-    };
     let inputs = Inputs::free(values, free);
+    let reference = period(file, values)?;
     Ok(inputs.paced(pace(file, inputs, reference, graph)?))
 }
 
@@ -413,7 +395,7 @@ fn pace(
 }
 
 fn starts(file: &SystemFile, values: &[f64]) -> Result<Vec<Option<f64>>, Problem> {
-    let component = |formula: &Formula| constant(file, values, formula, "a start");
+    let component = |formula| folded(file, values, formula, Scope::Constant("a start"));
     let starts = file.states.iter();
     let starts = starts.map(|state| state.start.as_ref().map(component).transpose());
     starts.collect()
@@ -423,7 +405,7 @@ fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {
     let Some(formula) = &file.time.period else {
         return Ok(None);
     };
-    let period = constant(file, values, formula, "a period")?;
+    let period = folded(file, values, formula, Scope::Constant("a period"))?;
     if period > 0.0 {
         return Ok(Some(period));
     }
@@ -433,15 +415,14 @@ fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {
     ))
 }
 
-fn constant(
+/// The value of an expression of constants, which folds to one number.
+fn folded(
     file: &SystemFile,
     values: &[f64],
     formula: &Formula,
-    what: &'static str,
+    scope: Scope,
 ) -> Result<f64, Problem> {
     let mut graph = Graph::new();
-    let inputs = Inputs::fixed(values);
-    let mut builder = Builder::new(file, inputs, &mut graph, Scope::Constant(what));
-    let built = builder.formula(formula)?;
+    let built = Builder::new(file, Inputs::fixed(values), &mut graph, scope).formula(formula)?;
     Ok(graph.value(built).unwrap_or(f64::NAN))
 }

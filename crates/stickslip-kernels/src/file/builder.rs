@@ -7,26 +7,31 @@ use stickslip::error::readable;
 use super::formula::{not_finite, where_operands};
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
-use super::{Formula, InputEntry, InputShape, Rate, SystemFile};
+use super::{Formula, InputEntry, InputShape, SystemFile};
 use crate::expression::{
     Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
 };
-use crate::kernel::HELD_PER_INPUT;
+use crate::kernel::{Combination, HELD_PER_INPUT};
 
 /// What may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scope {
-    /// Time, states and the sides of contacts. Bit `i` of `above` is set if contact `i` is above,
-    /// bit `i` of `held` if it holds.
-    Sides { above: usize, held: usize },
+    /// Time, states and the sides of contacts.
+    Sides(Combination),
     /// Time and states. The string says what the expression is.
     NoSides(&'static str),
     /// Neither time nor states. The string says what the expression is.
     Constant(&'static str),
 }
 
+/// The scope of a parameter's value, which has numbers alone.
+pub(super) const NUMBERS: Scope = Scope::Constant("the value of a parameter");
+
 /// Up to two parameters that are states.
 pub(crate) type Freed = [Option<usize>; 2];
+
+/// All parameters have their values.
+pub(crate) const NONE_FREE: Freed = [None; 2];
 
 /// Parameters and time of an expression.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +47,7 @@ pub(super) struct Inputs<'a> {
 impl<'a> Inputs<'a> {
     /// All parameters have fixed values.
     pub(super) fn fixed(values: &'a [f64]) -> Self {
-        Self::free(values, [None; 2])
+        Self::free(values, NONE_FREE)
     }
 
     /// Some of the parameters may be states.
@@ -83,8 +88,7 @@ enum Progress {
 
 /// Adds expressions to a graph.
 pub(super) struct Builder<'a> {
-    /// `None` if only the built-in names exist.
-    file: Option<&'a SystemFile>,
+    file: &'a SystemFile,
     inputs: Inputs<'a>,
     graph: &'a mut Graph,
     scope: Scope,
@@ -104,25 +108,12 @@ impl<'a> Builder<'a> {
         scope: Scope,
     ) -> Self {
         Builder {
-            file: Some(file),
+            file,
             inputs,
             graph,
             scope,
             definitions: vec![Progress::NotYet; file.definitions.len()],
             frictions: vec![Progress::NotYet; file.contacts.len()],
-            sided: 0,
-        }
-    }
-
-    /// A builder for expressions of constants; `what` says what they are.
-    pub(super) fn of_numbers(graph: &'a mut Graph, what: &'static str) -> Self {
-        Builder {
-            file: None,
-            inputs: Inputs::fixed(&[]),
-            graph,
-            scope: Scope::Constant(what),
-            definitions: Vec::new(),
-            frictions: Vec::new(),
             sided: 0,
         }
     }
@@ -140,14 +131,10 @@ impl<'a> Builder<'a> {
 
     /// The rates of all states, and of the parameters that are states.
     pub(super) fn field(&mut self) -> Result<Vec<Id>, Problem> {
-        let rates = self.file.map_or(&[][..], |file| &file.field);
-        let mut built = Vec::with_capacity(rates.len() + 1);
-        for rate in rates {
-            let formula = match (rate, self.scope) {
-                (Rate::Same(formula), _) => formula,
-                (Rate::BySide { above, .. }, Scope::Sides { above: 1, .. }) => above,
-                (Rate::BySide { below, .. }, _) => below,
-            };
+        let mut built = Vec::with_capacity(self.file.field.len() + 1);
+        let is_above = matches!(self.scope, Scope::Sides(Combination { above: 1, .. }));
+        for rate in &self.file.field {
+            let formula = rate.on_side(is_above);
             let rate = self.formula(formula)?;
             built.push(self.in_time(rate, formula.whole())?);
         }
@@ -221,7 +208,7 @@ impl<'a> Builder<'a> {
     }
 
     fn name(&mut self, name: &str, place: Range<usize>) -> BuildResult {
-        let Some(meaning) = self.meaning(name) else {
+        let Some(meaning) = self.file.names.get(name) else {
             return Err(self.unknown(name, place));
         };
         match (meaning, self.scope) {
@@ -229,12 +216,11 @@ impl<'a> Builder<'a> {
                 let made = self.graph.constant(std::f64::consts::PI);
                 made.map_err(|error| no_number(error, place))
             }
-            (Meaning::Parameter(number), Scope::Sides { .. } | Scope::NoSides(_))
+            (Meaning::Parameter(number), Scope::Sides(_) | Scope::NoSides(_))
                 if self.inputs.place(number).is_some() =>
             {
-                let states = self.file.map_or(0, |file| file.states.len());
                 let behind = self.inputs.place(number).unwrap_or(0);
-                Ok(self.graph.state(states + behind))
+                Ok(self.graph.state(self.file.states.len() + behind))
             }
             (Meaning::Parameter(number), _) => {
                 let made = self.graph.constant(self.inputs.values[number]);
@@ -272,10 +258,8 @@ impl<'a> Builder<'a> {
 
     /// The value of an input: the value held, plus its slope times its clock.
     fn input(&mut self, number: usize, place: Range<usize>) -> BuildResult {
-        let Some(entry) = self.file.and_then(|file| file.inputs.get(number)) else {
-            return Err(Problem::new("there are no inputs here", place));
-        };
-        let states = self.file.map_or(0, |file| file.states.len()) + self.inputs.count_free();
+        let entry = &self.file.inputs[number];
+        let states = self.file.states.len() + self.inputs.count_free();
         let held = states + HELD_PER_INPUT * number;
         let value = self.graph.state(held);
         let pieces = match &entry.shape {
@@ -336,26 +320,18 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn meaning(&self, name: &str) -> Option<Meaning> {
-        match self.file {
-            Some(file) => file.names.get(name),
-            None if name == "pi" || name == "π" => Some(Meaning::Pi),
-            None => None,
-        }
-    }
-
     fn unknown(&self, name: &str, place: Range<usize>) -> Problem {
         let problem = Problem::new(format!("unknown name `{name}`"), place).label("not known here");
         if is_function(name) {
             return problem.help(format!("`{name}` is a function: write {name}(…)"));
         }
-        let Some(file) = self.file else {
+        if self.scope == NUMBERS {
             return problem.help(
                 "the value of a parameter has numbers only; what depends on other parameters goes \
                     into [definitions]",
             );
-        };
-        problem.help(file.names.like(name).unwrap_or_else(|| {
+        }
+        problem.help(self.file.names.like(name).unwrap_or_else(|| {
             "names are states, parameters, definitions, contacts, inputs, t (time) and pi"
                 .to_owned()
         }))
@@ -364,7 +340,7 @@ impl<'a> Builder<'a> {
     /// Whether a contact is above.
     fn side(&mut self, number: usize, place: Range<usize>) -> Result<bool, Problem> {
         match self.scope {
-            Scope::Sides { above, .. } => {
+            Scope::Sides(Combination { above, .. }) => {
                 self.sided |= 1 << number;
                 Ok(above & 1 << number != 0)
             }
@@ -377,10 +353,7 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn definition(&mut self, number: usize) -> BuildResult {
-        let Some(file) = self.file else {
-            return Err(Problem::new("there are no definitions here", 0..0));
-        };
-        let definition = &file.definitions[number];
+        let definition = &self.file.definitions[number];
         match self.definitions[number] {
             Progress::Done(id) => return Ok(id),
             Progress::UnderWay => {
@@ -407,12 +380,10 @@ impl<'a> Builder<'a> {
             "friction" => return self.friction(formula, arguments, place),
             "by_side" => return self.by_side(formula, arguments, place),
             "min" | "max" => {
-                let [first, rest @ ..] = arguments else {
-                    return Err(wrong_count(function, "two or more arguments", 0, place));
+                let (Some((first, rest)), 2..) = (arguments.split_first(), arguments.len()) else {
+                    let (wanted, found) = ("two or more arguments", arguments.len());
+                    return Err(wrong_count(function, wanted, found, place));
                 };
-                if rest.is_empty() {
-                    return Err(wrong_count(function, "two or more arguments", 1, place));
-                }
                 let mut best = self.expression(formula, first)?;
                 for argument in rest {
                     let next = self.expression(formula, argument)?;
@@ -460,9 +431,7 @@ impl<'a> Builder<'a> {
             ));
         }
         let above = self.side(number, place.clone())?;
-        let Some(contact) = self.file.and_then(|file| file.contacts.get(number)) else {
-            return Err(Problem::new("there are no contacts here", place));
-        };
+        let contact = &self.file.contacts[number];
         let Some(slip) = &contact.friction else {
             return Err(Problem::new(
                 format!("contact `{}` has no friction law", contact.name),
@@ -471,7 +440,7 @@ impl<'a> Builder<'a> {
             .also(contact.place.clone(), "this contact")
             .help("write friction = \"…\" there: how large friction is in slip"));
         };
-        let is_held = matches!(self.scope, Scope::Sides { held, .. } if held & 1 << number != 0);
+        let is_held = matches!(self.scope, Scope::Sides(of) if of.held & 1 << number != 0);
         let law = contact.holding.as_ref().filter(|_| is_held).unwrap_or(slip);
         let size = match self.frictions[number] {
             Progress::Done(id) => id,
@@ -530,7 +499,6 @@ impl<'a> Builder<'a> {
         argument: Option<&Expression>,
         place: Range<usize>,
     ) -> Result<usize, Problem> {
-        let contacts = self.file.map_or(&[][..], |file| &file.contacts);
         let Some(argument) = argument else {
             return Err(wrong_count(function, "the name of a contact", 0, place));
         };
@@ -541,13 +509,11 @@ impl<'a> Builder<'a> {
                 place,
             ));
         };
-        if let Some(Meaning::Contact(number)) = self.meaning(name) {
+        if let Some(Meaning::Contact(number)) = self.file.names.get(name) {
             return Ok(number);
         }
-        let names: Vec<&str> = contacts
-            .iter()
-            .map(|contact| contact.name.as_str())
-            .collect();
+        let contacts = self.file.contacts.iter();
+        let names: Vec<&str> = contacts.map(|contact| contact.name.as_str()).collect();
         let help = did_you_mean(name, names.iter().copied())
             .unwrap_or_else(|| format!("the contacts are {}", super::table::listed(&names)));
         Err(Problem::new(format!("`{name}` is no contact"), place).help(help))
@@ -556,7 +522,7 @@ impl<'a> Builder<'a> {
     fn no_function(&self, function: &str, place: Range<usize>) -> Problem {
         let problem =
             Problem::new(format!("unknown function `{function}`"), place).label("not known");
-        if let Some(meaning) = self.meaning(function) {
+        if let Some(meaning) = self.file.names.get(function) {
             return Problem {
                 message: format!("`{function}` is {}, not a function", meaning.description()),
                 ..problem

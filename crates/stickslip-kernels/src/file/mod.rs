@@ -62,7 +62,6 @@ pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use problem::{Problem, Source};
 pub use system::{PeriodError, SettingError, System};
-pub use undefined::UndefinedPart;
 
 use std::ops::Range;
 use std::path::Path;
@@ -86,7 +85,7 @@ const SHIPPED: [(&str, &str); 6] = [
 pub const EXAMPLE: &str = include_str!("../../systems/example.toml");
 
 /// The content of a file, with all names checked.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SystemFile {
     /// The source file.
     pub source: Source,
@@ -251,6 +250,17 @@ pub enum Rate {
     },
 }
 
+impl Rate {
+    /// The expression above or below the boundary of the only contact.
+    pub(crate) fn on_side(&self, is_above: bool) -> &Formula {
+        match self {
+            Rate::Same(formula) => formula,
+            Rate::BySide { above, .. } if is_above => above,
+            Rate::BySide { below, .. } => below,
+        }
+    }
+}
+
 /// A Poincaré section.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SectionEntry {
@@ -336,6 +346,22 @@ fn not_utf8(path: &str, wrong: &std::string::FromUtf8Error) -> FileError {
     }
 }
 
+impl FileError {
+    fn wrong(problem: Problem, source: Source) -> Self {
+        FileError::Wrong {
+            problem: Box::new(problem),
+            source_text: Box::new(source),
+        }
+    }
+}
+
+/// The content of a file, if every expression in it is valid.
+fn checked(file: SystemFile) -> Result<SystemFile, Problem> {
+    let file = Arc::new(file);
+    build::check(&file)?;
+    Ok(Arc::unwrap_or_clone(file))
+}
+
 impl SystemFile {
     /// Reads a file, or a shipped model by name. A file of that name takes precedence.
     ///
@@ -359,15 +385,8 @@ impl SystemFile {
     /// # Errors
     /// [`FileError::Wrong`] with the first fault.
     pub fn parse(source: Source) -> Result<SystemFile, FileError> {
-        let read = read::read(&source).and_then(|file| {
-            let file = Arc::new(file);
-            build::check(&file)?;
-            Ok(Arc::unwrap_or_clone(file))
-        });
-        read.map_err(|problem| FileError::Wrong {
-            problem: Box::new(problem),
-            source_text: Box::new(source),
-        })
+        let read = read::read(&source).and_then(checked);
+        read.map_err(|problem| FileError::wrong(problem, source))
     }
 
     /// The same system with another section.
@@ -383,19 +402,17 @@ impl SystemFile {
             name: "section".to_owned(),
             text: function.to_owned(),
         };
-        let checked = Formula::parsed(function, 0..function.len(), &source).and_then(|function| {
-            let mut file = self.clone();
-            file.section = Some(SectionEntry {
+        let function = Formula::parsed(function, 0..function.len(), &source);
+        let with_section = function.and_then(|function| {
+            let section = Some(SectionEntry {
                 function,
                 direction,
             });
-            let file = Arc::new(file);
-            build::check(&file)?;
-            Ok(Arc::unwrap_or_clone(file))
+            checked(SystemFile {
+                section,
+                ..self.clone()
+            })
         });
-        checked.map_err(|problem| FileError::Wrong {
-            problem: Box::new(problem),
-            source_text: Box::new(source),
-        })
+        with_section.map_err(|problem| FileError::wrong(problem, source))
     }
 }

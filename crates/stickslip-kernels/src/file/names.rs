@@ -52,17 +52,23 @@ pub struct Names {
 }
 
 impl Names {
+    /// The names of constants.
+    pub(super) fn constants() -> Self {
+        let mut names = Names::default();
+        names.build_in("pi", Meaning::Pi);
+        names.build_in("π", Meaning::Pi);
+        names
+    }
+
     /// The built-in names.
     pub(super) fn new() -> Self {
-        let mut names = Names::default();
-        for (name, meaning) in [
-            ("t", Meaning::Time),
-            ("pi", Meaning::Pi),
-            ("π", Meaning::Pi),
-        ] {
-            names.known.insert(name.to_owned(), (meaning, 0..0));
-        }
+        let mut names = Names::constants();
+        names.build_in("t", Meaning::Time);
         names
+    }
+
+    fn build_in(&mut self, name: &str, meaning: Meaning) {
+        self.known.insert(name.to_owned(), (meaning, 0..0));
     }
 
     /// Adds a name, in the form used for comparison.

@@ -1,10 +1,10 @@
 //! Names, modes and phase sequences of a system in words.
 
+use stickslip::analysis::{Attractor, AttractorKind};
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Side};
 
 use super::System;
-use crate::kernel::{Motion, Outcome};
 
 impl System {
     /// Name of a contact, or of a jump or an input, whose numbers follow those of the contacts.
@@ -15,6 +15,12 @@ impl System {
         let inputs = self.file.inputs.iter().map(|input| &input.name);
         let mut all = contacts.chain(jumps).chain(inputs);
         all.nth(number).cloned().unwrap_or_default()
+    }
+
+    /// The names of several contacts.
+    pub fn contact_names(&self, numbers: &[usize]) -> String {
+        let names = numbers.iter().map(|&number| self.contact_name(number));
+        names.collect::<Vec<_>>().join(" and ")
     }
 
     /// The modes of a phase in letters, with several contacts separated by `|`: `+` and `-` for
@@ -51,19 +57,21 @@ impl System {
 
     /// The phases of a period in letters, independent of where in the cycle they begin, or the
     /// modes of an equilibrium. Empty for other motions, whose phases are only the last ones.
-    pub fn phases(&self, outcome: &Outcome) -> String {
-        match outcome.motion {
-            Motion::Periodic { .. } => self.sequence(&outcome.sequence()),
-            Motion::Equilibrium | Motion::EquilibriumSet => self.letters(&outcome.modes),
+    pub fn phases(&self, reached: &Attractor) -> String {
+        match reached.kind {
+            AttractorKind::Periodic { .. } => self.sequence(&reached.sequence()),
+            AttractorKind::Equilibrium | AttractorKind::EquilibriumSet => {
+                self.letters(&reached.mode)
+            }
             _ => String::new(),
         }
     }
 
     /// The kind of motion; for a periodic orbit, with the cycle of its phases.
-    pub fn class(&self, outcome: &Outcome) -> String {
-        let word = outcome.motion.word();
-        match outcome.motion {
-            Motion::Periodic { .. } => match self.phases(outcome) {
+    pub fn class(&self, reached: &Attractor) -> String {
+        let word = reached.kind.word();
+        match reached.kind {
+            AttractorKind::Periodic { .. } => match self.phases(reached) {
                 phases if phases.trim().is_empty() => word.to_owned(),
                 phases => format!("{word}, {phases}"),
             },

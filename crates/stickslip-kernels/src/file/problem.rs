@@ -93,7 +93,7 @@ impl Problem {
 }
 
 /// The text of a file and its name.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// Path, or name of a shipped model.
     pub name: String,

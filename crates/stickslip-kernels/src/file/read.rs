@@ -225,11 +225,7 @@ fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Proble
 }
 
 fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Problem> {
-    let Some(table) = file.table("parameters")? else {
-        return Ok(Vec::new());
-    };
-    let mut parameters = Vec::new();
-    for (number, (name, place, entry)) in table.entries().enumerate() {
+    file.each("parameters", |number, name, place, entry| {
         let name = names.add(name, place.clone(), Meaning::Parameter(number))?;
         let mut parameter = Parameter {
             value: 0.0,
@@ -262,32 +258,22 @@ fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Pro
             );
             return Err(Problem::new(message, parameter.place));
         }
-        parameters.push(parameter);
-    }
-    Ok(parameters)
+        Ok(parameter)
+    })
 }
 
 fn definitions(file: &Table<'_>, names: &mut Names) -> Result<Vec<Named>, Problem> {
-    let Some(table) = file.table("definitions")? else {
-        return Ok(Vec::new());
-    };
-    let entries = table.entries().enumerate();
-    let named = entries.map(|(number, (name, place, entry))| {
+    file.each("definitions", |number, name, place, entry| {
         Ok(Named {
             name: names.add(name, place, Meaning::Definition(number))?,
             formula: entry.formula()?,
         })
-    });
-    named.collect()
+    })
 }
 
 fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem> {
     // A system without contacts is smooth.
-    let Some(table) = file.table("contacts")? else {
-        return Ok(Vec::new());
-    };
-    let mut contacts = Vec::new();
-    for (number, (name, place, entry)) in table.entries().enumerate() {
+    let contacts = file.each("contacts", |number, name, place, entry| {
         if number == MOST_CONTACTS {
             let message = format!("this is contact number {}", number + 1);
             return Err(Problem::new(message, place).help(format!(
@@ -319,8 +305,8 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
                 contact.name
             )));
         }
-        contacts.push(contact);
-    }
+        Ok(contact)
+    })?;
     let several = contacts.len() > 1;
     if let Some(force) = contacts
         .iter()

@@ -17,11 +17,7 @@ pub(super) fn discrete(
     names: &mut Names,
     states: usize,
 ) -> Result<Vec<StateEntry>, Problem> {
-    let Some(table) = file.table("discrete")? else {
-        return Ok(Vec::new());
-    };
-    let entries = table.entries().enumerate();
-    let discrete = entries.map(|(number, (name, place, entry))| {
+    file.each("discrete", |number, name, place, entry| {
         Ok(StateEntry {
             name: names.add(name, place, Meaning::State(states + number))?,
             unit: String::new(),
@@ -30,8 +26,7 @@ pub(super) fn discrete(
             range: None,
             is_discrete: true,
         })
-    });
-    discrete.collect()
+    })
 }
 
 /// The jumps.
@@ -40,15 +35,10 @@ pub(super) fn jumps(
     names: &mut Names,
     states: &[StateEntry],
 ) -> Result<Vec<JumpEntry>, Problem> {
-    let Some(table) = file.table("jumps")? else {
-        return Ok(Vec::new());
-    };
-    let entries = table.entries().enumerate();
-    let jumps = entries.map(|(number, (name, place, entry))| {
-        let name = names.add(name, place.clone(), Meaning::Jump(number))?;
-        jump(entry.table("jumps", &name)?, name.clone(), (states, names))
-    });
-    jumps.collect()
+    file.each("jumps", |number, name, place, entry| {
+        let name = names.add(name, place, Meaning::Jump(number))?;
+        jump(entry.table("jumps", &name)?, name, (states, names))
+    })
 }
 
 fn jump(
@@ -98,24 +88,20 @@ pub(super) fn inputs(
     file: &Table<'_>,
     names: &mut Names,
 ) -> Result<Vec<InputEntry>, Problem> {
-    let mut inputs = Vec::new();
-    if let Some(table) = file.table("inputs")? {
-        for (name, place, entry) in table.entries() {
-            let name = names.add(name, place.clone(), Meaning::Input(inputs.len()))?;
-            let shape = input(source, &entry.table("inputs", &name)?)?;
-            inputs.push(InputEntry { name, shape, place });
-        }
-    }
-    if let Some(table) = file.table("switches")? {
-        for (name, place, entry) in table.entries() {
-            let name = names.add(name, place.clone(), Meaning::Input(inputs.len()))?;
-            let table = entry.table("switches", &name)?;
-            table.only(&["function"])?;
-            let function = "an expression of time whose sign it is, as in function = \"sin(w*t)\"";
-            let shape = InputShape::Switch(table.need("function", function)?.formula()?);
-            inputs.push(InputEntry { name, shape, place });
-        }
-    }
+    let mut inputs = file.each("inputs", |number, name, place, entry| {
+        let name = names.add(name, place.clone(), Meaning::Input(number))?;
+        let shape = input(source, &entry.table("inputs", &name)?)?;
+        Ok(InputEntry { name, shape, place })
+    })?;
+    let first = inputs.len();
+    inputs.extend(file.each("switches", |number, name, place, entry| {
+        let name = names.add(name, place.clone(), Meaning::Input(first + number))?;
+        let table = entry.table("switches", &name)?;
+        table.only(&["function"])?;
+        let function = "an expression of time whose sign it is, as in function = \"sin(w*t)\"";
+        let shape = InputShape::Switch(table.need("function", function)?.formula()?);
+        Ok(InputEntry { name, shape, place })
+    })?);
     Ok(inputs)
 }
 

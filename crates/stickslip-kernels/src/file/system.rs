@@ -9,8 +9,9 @@ use stickslip::scalar::Dual;
 use stickslip::statistics::SplitMix;
 use stickslip::{Direction, Scalar};
 
-use super::build::{self, Built, Variant};
-use super::{FileError, Problem, Source, SystemFile, did_you_mean};
+use super::build::{self, Built};
+use super::builder::{Freed, NONE_FREE};
+use super::{FileError, Problem, SystemFile, did_you_mean};
 use crate::kernel::{
     Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, dynamics,
     sides_to_check,
@@ -134,18 +135,20 @@ impl SystemFile {
     fn values_with(
         &self,
         mut values: Vec<f64>,
-        settings: &[(String, f64)],
+        settings: &[(impl AsRef<str>, f64)],
     ) -> Result<Vec<f64>, SettingError> {
-        for (i, (name, value)) in settings.iter().enumerate() {
-            let number = self.parameter(name)?;
-            if settings[..i].iter().any(|(other, _)| other == name) {
-                let name = name.clone();
+        for (i, &(ref name, value)) in settings.iter().enumerate() {
+            let number = self.parameter(name.as_ref())?;
+            let name = name.as_ref().to_owned();
+            if settings[..i]
+                .iter()
+                .any(|(other, _)| other.as_ref() == name)
+            {
                 return Err(SettingError::Twice { name });
             }
             if let Some((low, high)) = self.parameters[number].range
-                && !(low..=high).contains(value)
+                && !(low..=high).contains(&value)
             {
-                let (name, value) = (name.clone(), *value);
                 return Err(SettingError::OutsideRange {
                     name,
                     value,
@@ -153,7 +156,7 @@ impl SystemFile {
                     high,
                 });
             }
-            values[number] = *value;
+            values[number] = value;
         }
         Ok(values)
     }
@@ -165,7 +168,7 @@ impl System {
         values: Vec<f64>,
         interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
-        let built = built(&file, &values, Variant::AsWritten)?;
+        let built = built(&file, &values, NONE_FREE)?;
         let states = file.states.len();
         let direction = file
             .section
@@ -190,16 +193,9 @@ impl System {
     /// # Errors
     /// See [`SystemFile::with`].
     pub fn with_values(&self, given: &[(&str, f64)]) -> Result<System, SettingError> {
-        let settings: Vec<(String, f64)> = given
-            .iter()
-            .map(|&(name, value)| (name.to_owned(), value))
-            .collect();
-        let values = self.file.values_with(self.values.clone(), &settings)?;
-        Ok(System::new(
-            self.file.clone(),
-            values,
-            self.interrupt.clone(),
-        )?)
+        let values = self.file.values_with(self.values.clone(), given)?;
+        let (file, interrupt) = (self.file.clone(), self.interrupt.clone());
+        Ok(System::new(file, values, interrupt)?)
     }
 
     /// The same system with another section.
@@ -227,7 +223,7 @@ impl System {
     /// # Errors
     /// [`SettingError::File`] if the expressions are too large with an additional state.
     pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
-        self.varied(Variant::Free([Some(parameter), None]), self.states() + 1)
+        self.freed([Some(parameter), None])
     }
 
     /// [`System::along`] with two parameters as states, of which this one is the last.
@@ -239,31 +235,14 @@ impl System {
         other: usize,
         parameter: usize,
     ) -> Result<DynamicsRef<'static>, SettingError> {
-        let freed = [Some(other), Some(parameter)];
-        self.varied(Variant::Free(freed), self.states() + 2)
+        self.freed([Some(other), Some(parameter)])
     }
 
-    /// The system with time scaled so that the period, if there is one, has the given value.
-    ///
-    /// # Errors
-    /// [`SettingError::File`] if the expressions are too large with the scaled time.
-    pub fn in_period(&self, period: Option<f64>) -> Result<DynamicsRef<'static>, SettingError> {
-        let variant = period.map_or(Variant::AsWritten, Variant::InPeriod);
-        self.varied(variant, self.states())
-    }
-
-    fn varied(
-        &self,
-        variant: Variant,
-        states: usize,
-    ) -> Result<DynamicsRef<'static>, SettingError> {
-        let built = built(&self.file, &self.values, variant)?;
-        Ok(solver(
-            &self.file,
-            &built,
-            (None, self.interrupt.clone()),
-            states,
-        )?)
+    fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
+        let built = built(&self.file, &self.values, free)?;
+        let states = self.states() + free.iter().flatten().count();
+        let with = (None, self.interrupt.clone());
+        Ok(solver(&self.file, &built, with, states)?)
     }
 
     /// The period of a driven system; `None` for an autonomous one.
@@ -436,15 +415,9 @@ impl System {
 }
 
 /// Builds the tapes, or reports the fault in the file.
-fn built(file: &Arc<SystemFile>, values: &[f64], variant: Variant) -> Result<Built, FileError> {
-    build::built(file, values, variant).map_err(|problem| wrong(problem, &file.source))
-}
-
-fn wrong(problem: Problem, source: &Source) -> FileError {
-    FileError::Wrong {
-        problem: Box::new(problem),
-        source_text: Box::new(source.clone()),
-    }
+fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, FileError> {
+    let built = build::built(file, values, free);
+    built.map_err(|problem| FileError::wrong(problem, file.source.clone()))
 }
 
 /// The solver for the equations of a file with a given number of states.
@@ -474,7 +447,7 @@ fn solver(
                 states + 66 - room.min(66)
             )
         };
-        wrong(Problem::new(message, 0..0), &file.source)
+        FileError::wrong(Problem::new(message, 0..0), file.source.clone())
     })
 }
 

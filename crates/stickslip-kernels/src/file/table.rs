@@ -75,6 +75,18 @@ impl<'a> Table<'a> {
             .transpose()
     }
 
+    /// What is made of each entry of a table, which may be missing, with its number.
+    pub(super) fn each<T>(
+        &self,
+        name: &str,
+        mut make: impl FnMut(usize, &'a str, Range<usize>, Entry<'a>) -> Result<T, Problem>,
+    ) -> Result<Vec<T>, Problem> {
+        let table = self.table(name)?;
+        let entries = table.iter().flat_map(Table::entries).enumerate();
+        let made = entries.map(|(number, (name, place, entry))| make(number, name, place, entry));
+        made.collect()
+    }
+
     /// Rejects unknown entries.
     pub(super) fn only(&self, known: &[&str]) -> Result<(), Problem> {
         for (name, place, _) in &self.entries {
@@ -131,25 +143,19 @@ impl<'a> Entry<'a> {
         } else {
             format!("{above}.{name}")
         };
-        match self.value.get_ref() {
-            DeValue::Table(table) => Ok(Table::new(self.source, self.place(), table, title)),
-            _ => Err(self
-                .wrong(&format!("a table [{title}]"))
-                .help(format!("write a line [{title}], and its entries below it"))),
-        }
+        self.as_table(&title).ok_or_else(|| {
+            self.wrong(&format!("a table [{title}]"))
+                .help(format!("write a line [{title}], and its entries below it"))
+        })
     }
 
     /// The value as a table, if it is one.
     pub(super) fn as_table(self, title: &str) -> Option<Table<'a>> {
-        match self.value.get_ref() {
-            DeValue::Table(table) => Some(Table::new(
-                self.source,
-                self.place(),
-                table,
-                title.to_owned(),
-            )),
-            _ => None,
-        }
+        let DeValue::Table(table) = self.value.get_ref() else {
+            return None;
+        };
+        let (place, title) = (self.place(), title.to_owned());
+        Some(Table::new(self.source, place, table, title))
     }
 
     pub(super) fn text(self) -> Result<&'a str, Problem> {

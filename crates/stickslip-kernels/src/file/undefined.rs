@@ -1,42 +1,16 @@
 //! Which part of a formula is not a number at a state.
 
-use std::fmt;
-
 use super::builder::{Builder, Inputs, Scope};
 use super::formula::{not_finite, where_operands};
-use super::{Contact, Formula, Meaning, Rate, System};
+use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
-use crate::kernel::sides_to_check;
-
-/// A part of a formula that is not a finite number, although its operands are.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UndefinedPart {
-    /// The key of the formula in the file, as ``"`v` of [field]"``.
-    pub key: String,
-    /// The part.
-    pub part: String,
-    /// Its value: infinite or NaN.
-    pub value: f64,
-    /// Its operands that are no plain numbers, and their values.
-    pub operands: Vec<(String, f64)>,
-}
-
-impl fmt::Display for UndefinedPart {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let UndefinedPart { key, part, .. } = self;
-        let what = not_finite(self.value);
-        write!(
-            f,
-            "in {key}, `{part}` is {what}{}",
-            where_operands(&self.operands)
-        )
-    }
-}
+use crate::kernel::{Combination, sides_to_check};
 
 impl System {
-    /// The part of a boundary or of the field that is not a finite number at a time and state. The
-    /// sides are those of the state; then others are tried. `None` if all parts are finite.
-    pub fn undefined_in_field(&self, t: f64, x: &[f64]) -> Option<UndefinedPart> {
+    /// The part of a boundary or of the field that is not a finite number at a time and state,
+    /// although its operands are, in words. The sides are those of the state; then others are
+    /// tried. `None` if all parts are finite.
+    pub(super) fn undefined_in_field(&self, t: f64, x: &[f64]) -> Option<String> {
         if x.len() != self.states() {
             return None;
         }
@@ -54,12 +28,8 @@ impl System {
             let sides = sides_to_check(self.contacts()).into_iter();
             std::iter::once(of_state).chain(sides).find_map(|above| {
                 let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
-                    let formula = match rate {
-                        Rate::Same(formula) => formula,
-                        Rate::BySide { above: formula, .. } if above == 1 => formula,
-                        Rate::BySide { below, .. } => below,
-                    };
-                    (format!("`{}` of [field]", state.name), formula)
+                    let key = format!("`{}` of [field]", state.name);
+                    (key, rate.on_side(above == 1))
                 });
                 at(above).first(rates)
             })
@@ -68,7 +38,7 @@ impl System {
 
     /// The part of a jump or a switch that is not a finite number at a time and state. The number
     /// counts contacts, jumps and inputs, in this order.
-    pub fn undefined_in_event(&self, number: usize, t: f64, x: &[f64]) -> Option<UndefinedPart> {
+    pub(super) fn undefined_in_event(&self, number: usize, t: f64, x: &[f64]) -> Option<String> {
         let number = number.checked_sub(self.contacts())?;
         let file = &self.file;
         if x.len() != self.states() {
@@ -122,16 +92,19 @@ impl<'a> Evaluation<'a> {
     fn first<'f>(
         &self,
         mut formulas: impl Iterator<Item = (String, &'f Formula)>,
-    ) -> Option<UndefinedPart> {
+    ) -> Option<String> {
         formulas.find_map(|(key, formula)| self.part(&key, formula, &formula.tree))
     }
 
     /// The value of an expression; `None` if it cannot be built.
     fn value(&self, formula: &Formula, expression: &Expression) -> Option<f64> {
         let (mut graph, file) = (Graph::new(), &self.system.file);
-        let (above, held) = (self.above, 0);
         let inputs = Inputs::fixed(&self.system.values);
-        let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides { above, held });
+        let scope = Scope::Sides(Combination {
+            above: self.above,
+            held: 0,
+        });
+        let mut builder = Builder::new(file, inputs, &mut graph, scope);
         let root = builder.expression(formula, expression).ok()?;
         let tape = Tape::new(&graph, &[root], self.x.len()).ok()?;
         let mut value = [0.0];
@@ -140,33 +113,30 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The undefined part of an expression whose operands are defined.
-    fn part(&self, key: &str, formula: &Formula, whole: &Expression) -> Option<UndefinedPart> {
+    fn part(&self, key: &str, formula: &Formula, whole: &Expression) -> Option<String> {
         let value = self
             .value(formula, whole)
             .filter(|value| !value.is_finite())?;
-        let operands: Vec<&Expression> = match &whole.kind {
-            ExpressionKind::Number(_) => Vec::new(),
-            ExpressionKind::Name(name) => {
-                if let Some(part) = self.in_definition(name) {
-                    return Some(part);
-                }
-                Vec::new()
-            }
-            ExpressionKind::Negative(inner) => vec![&**inner],
-            ExpressionKind::Binary(_, a, b) => vec![&**a, &**b],
+        let named = match &whole.kind {
+            ExpressionKind::Name(name) => self.in_definition(name),
             ExpressionKind::Call {
                 function,
                 arguments,
                 ..
             } if function == "friction" => {
-                if let Some(part) = arguments
-                    .first()
-                    .and_then(|contact| self.in_friction(contact))
-                {
-                    return Some(part);
-                }
-                Vec::new()
+                let contact = arguments.first();
+                contact.and_then(|contact| self.in_friction(contact))
             }
+            _ => None,
+        };
+        if named.is_some() {
+            return named;
+        }
+        let operands: Vec<&Expression> = match &whole.kind {
+            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+            ExpressionKind::Negative(inner) => vec![&**inner],
+            ExpressionKind::Binary(_, a, b) => vec![&**a, &**b],
+            ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
             ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
         };
         let in_operand = operands.iter().find_map(|one| self.part(key, formula, one));
@@ -177,16 +147,13 @@ impl<'a> Evaluation<'a> {
                 let value = self.value(formula, one)?;
                 Some((formula.part(&one.span), value))
             });
-            Some(UndefinedPart {
-                key: key.to_owned(),
-                part: formula.part(&whole.span),
-                value,
-                operands: operands.collect(),
-            })
+            let operands = where_operands(&operands.collect::<Vec<_>>());
+            let (part, what) = (formula.part(&whole.span), not_finite(value));
+            Some(format!("in {key}, `{part}` is {what}{operands}"))
         })
     }
 
-    fn in_definition(&self, name: &str) -> Option<UndefinedPart> {
+    fn in_definition(&self, name: &str) -> Option<String> {
         let file = &self.system.file;
         let Some(Meaning::Definition(number)) = file.names.get(name) else {
             return None;
@@ -199,7 +166,7 @@ impl<'a> Evaluation<'a> {
         )
     }
 
-    fn in_friction(&self, contact: &Expression) -> Option<UndefinedPart> {
+    fn in_friction(&self, contact: &Expression) -> Option<String> {
         let ExpressionKind::Name(name) = &contact.kind else {
             return None;
         };

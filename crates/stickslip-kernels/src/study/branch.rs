@@ -2,15 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch, BranchPoint, CycleBifurcation, PeriodicOrbit, SpecialPoint, Stop,
+    Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SpecialPoint, Stop,
+    continue_equilibrium,
 };
 use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
 use stickslip::{Ending, Error, Options};
 
-use super::Extremes;
+use super::{EquilibriaOfBranch, extremes};
 use crate::file::{SettingError, System};
-use crate::kernel::{Run, Watcher, follow};
+use crate::kernel::{follow, ignore};
 
 /// A system along one of its parameters. In the time of [`Along::dynamics`], a period that depends
 /// on the parameter is constant.
@@ -33,9 +35,6 @@ pub struct BranchOrbit {
     /// Minimum and maximum of each state on the orbit.
     pub extremes: Vec<(f64, f64)>,
 }
-
-/// A branch in one direction, with minimum and maximum of each state on each orbit.
-pub type DirectedBranch = (Branch, Vec<Vec<(f64, f64)>>);
 
 /// A branch in both directions, from its lower to its upper end.
 pub struct WholeBranch {
@@ -71,65 +70,90 @@ impl<'a> Along<'a> {
         })
     }
 
-    /// A state of the orbit at a multiple of its period, where the time of the branch begins.
+    /// Settings and start of a continuation from an orbit: a state at a multiple of its period,
+    /// then the other parameter, if there is one, and the parameter.
     ///
     /// # Errors
-    /// [`Error::NotFound`] if the orbit of a driven system rests, since steps along the branch are
-    /// measured by its size; those of [`stickslip::run`].
-    pub fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Error> {
+    /// [`Error::NotFound`] if a jump stops the orbit; those of [`stickslip::run`].
+    pub fn start(
+        &self,
+        orbit: &PeriodicOrbit,
+        settings: &ContinuationSettings,
+        options: &Options,
+        other: Option<f64>,
+    ) -> Result<(ContinuationSettings, Vector), Error> {
+        let is_driven = self.system.built.depends_on_time;
+        let settings = ContinuationSettings {
+            forced: is_driven.then_some(orbit.period),
+            ..*settings
+        };
+        let parameters = other.into_iter().chain([self.value]);
+        let mut x = self.at_zero(orbit, options)?;
+        x.extend(parameters);
+        Ok((settings, x))
+    }
+
+    /// The branch of equilibria through the one near a state, in both directions.
+    ///
+    /// # Errors
+    /// Those of [`continue_equilibrium`].
+    pub fn equilibria(
+        &self,
+        x: &[f64],
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<EquilibriaOfBranch, Error> {
+        let x = [x, &[self.value]].concat();
+        let way = |upwards| continue_equilibrium(&self.dynamics, &*x, upwards, settings, options);
+        Ok(EquilibriaOfBranch::joined([way(false)?, way(true)?]))
+    }
+
+    /// A state of the orbit at a multiple of its period, where the time of the branch begins.
+    fn at_zero(&self, orbit: &PeriodicOrbit, options: &Options) -> Result<Vector, Error> {
         let behind = orbit.t.rem_euclid(orbit.period);
         let t_end = orbit.t + (orbit.period - behind);
         // By rounding, the remainder may be a whole period or zero.
         if !self.system.built.depends_on_time || behind == 0.0 || t_end <= orbit.t {
             return Ok(orbit.x.clone());
         }
-        let run = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end,
-            options,
-        };
-        let ended = follow_period(self.system, &run, orbit.period, &mut ())?;
-        Ok(ended.x)
+        let (system, start) = (self.system.dynamics(), (orbit.t, orbit.x.as_slice()));
+        let ended = follow(system, start, t_end, options, &Section::None, &mut ignore)?;
+        Ok(whole(ended, orbit.period)?.x)
     }
 
-    /// Minimum and maximum of each state along an orbit of the branch.
-    ///
-    /// # Errors
-    /// Those of [`stickslip::run`] and of the parameter.
-    pub fn extremes<E: From<Error> + From<SettingError>>(
+    /// Minimum and maximum of each state along an orbit, in the time of the file.
+    fn extremes<E: From<Error> + From<SettingError>>(
         &self,
         orbit: &BranchPoint,
         options: &Options,
     ) -> Result<Vec<(f64, f64)>, E> {
-        let orbit = self.in_file(orbit.clone())?;
         let system = self.system.with_values(&[(self.name, orbit.parameter)])?;
-        let once = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end: orbit.t + orbit.period,
-            options,
-        };
-        let mut extremes = Extremes::from(once.x);
-        follow_period(&system, &once, orbit.period, &mut extremes)?;
-        Ok(extremes.ranges())
+        let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
+        let (extremes, ended) = extremes(system.dynamics(), start, t_end, options)?;
+        whole(ended, orbit.period)?;
+        Ok(extremes)
     }
 
-    /// Joins both directions, each with the extremes of its orbits.
+    /// Joins both directions, with the extremes of each orbit. Of a closed branch only one
+    /// direction is kept.
     ///
     /// # Errors
-    /// Those of the parameter.
-    pub fn joined(
+    /// Those of [`stickslip::run`] and of the parameter.
+    pub fn joined<E: From<Error> + From<SettingError> + Send>(
         &self,
-        [(down, low), (up, high)]: [DirectedBranch; 2],
-    ) -> Result<WholeBranch, SettingError> {
+        mut ways: [Branch; 2],
+        options: &Options,
+    ) -> Result<WholeBranch, E> {
+        only_once(&mut ways);
+        let [down, up] = ways;
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
-        let below = down.points.into_iter().zip(low).skip(1).rev();
-        let points = below.chain(up.points.into_iter().zip(high));
-        let points = points.map(|(orbit, extremes)| {
+        let below = down.points.into_iter().skip(1).rev();
+        let points: Vec<BranchPoint> = below.chain(up.points).collect();
+        let points = points.into_par_iter().map(|orbit| {
             let orbit = self.in_file(orbit)?;
-            Ok(BranchOrbit { orbit, extremes })
+            let extremes = self.extremes::<E>(&orbit, options)?;
+            Ok::<_, E>(BranchOrbit { orbit, extremes })
         });
         let below = down.special.into_iter().rev().map(|mut at| {
             at.behind = (first + 1).saturating_sub(at.behind);
@@ -154,7 +178,7 @@ impl<'a> Along<'a> {
             Ok(at)
         });
         Ok(WholeBranch {
-            points: points.collect::<Result<_, SettingError>>()?,
+            points: points.collect::<Result<_, E>>()?,
             special: special.collect::<Result<_, SettingError>>()?,
             first,
             stops: [down.stop, up.stop],
@@ -197,7 +221,7 @@ impl<'a> Along<'a> {
 }
 
 /// A closed branch is the same in the other direction, of which only the first orbit is kept.
-pub fn only_once(down: &mut Branch, up: &mut Branch) {
+fn only_once([down, up]: &mut [Branch; 2]) {
     let same = match (&down.stop, &up.stop) {
         (Stop::Closed, _) => up,
         (_, Stop::Closed) => down,
@@ -208,14 +232,8 @@ pub fn only_once(down: &mut Branch, up: &mut Branch) {
     same.stop = Stop::Closed;
 }
 
-/// Follows an orbit to the end of its period.
-fn follow_period(
-    system: &System,
-    run: &Run<'_>,
-    period: f64,
-    watcher: &mut dyn Watcher,
-) -> Result<Summary, Error> {
-    let ended = follow(system.dynamics(), run, &Section::None, watcher)?;
+/// The end of a run over a period, which it must have reached.
+fn whole(ended: Summary, period: f64) -> Result<Summary, Error> {
     match ended.ending {
         Ending::EndTime => Ok(ended),
         _ => Err(Error::NotFound {
@@ -226,26 +244,80 @@ fn follow_period(
     }
 }
 
-/// The end of a branch, for programs.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BranchEnd {
-    /// Why it ends.
-    pub word: &'static str,
-    /// The bifurcation in which it ends, if it does.
-    pub bifurcation: Option<EndBifurcation>,
-}
-
-/// A bifurcation at the end of a branch.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EndBifurcation {
+/// A special orbit of a branch, or a bifurcation in which it ends, as a row of a table.
+#[derive(Clone, Debug, Default)]
+pub struct SpecialRow {
     /// Its name.
-    pub name: &'static str,
+    pub name: String,
     /// The parameter.
     pub parameter: f64,
     /// Its uncertainty, if it is known.
     pub uncertainty: Option<f64>,
-    /// The period there, if it is finite and known.
+    /// The period, if it is finite and known.
     pub period: Option<f64>,
+    /// The angle of the multipliers at a Neimark–Sacker bifurcation.
+    pub angle: Option<f64>,
+    /// The contacts whose event functions vanish at a change of the phases.
+    pub contacts: String,
+    /// The phases before and after it.
+    pub phases: [String; 2],
+    /// The state; empty at an end.
+    pub x: Vec<f64>,
+    /// Number of orbits of the branch before it.
+    pub behind: usize,
+}
+
+impl SpecialRow {
+    fn of(at: &SpecialPoint, system: &System) -> Self {
+        let row = SpecialRow {
+            name: at.what.to_string(),
+            parameter: at.parameter,
+            uncertainty: Some(at.uncertainty),
+            period: Some(at.period),
+            x: at.x.as_slice().to_vec(),
+            behind: at.behind,
+            ..SpecialRow::default()
+        };
+        match &at.what {
+            CycleBifurcation::NeimarkSacker { angle } => SpecialRow {
+                angle: Some(*angle),
+                ..row
+            },
+            CycleBifurcation::Sequence(change) => SpecialRow {
+                contacts: system.contact_names(&change.contacts),
+                phases: [&change.before, &change.after].map(|phases| system.sequence(phases)),
+                ..row
+            },
+            _ => row,
+        }
+    }
+}
+
+impl WholeBranch {
+    /// Why the branch ends, downwards and upwards.
+    pub fn ends(&self) -> [BranchEnd; 2] {
+        self.stops.each_ref().map(BranchEnd::from)
+    }
+
+    /// The special orbits, and the ends that are bifurcations, from the lower to the upper end.
+    pub fn special_rows(&self, system: &System) -> Vec<SpecialRow> {
+        let [first, last] = self.ends().map(|end| end.bifurcation);
+        let last = last.map(|row| SpecialRow {
+            behind: self.points.len(),
+            ..row
+        });
+        let special = self.special.iter().map(|at| SpecialRow::of(at, system));
+        first.into_iter().chain(special).chain(last).collect()
+    }
+}
+
+/// The end of a branch, for programs.
+#[derive(Clone, Debug)]
+pub struct BranchEnd {
+    /// Why it ends.
+    pub word: &'static str,
+    /// The bifurcation in which it ends, if it does.
+    pub bifurcation: Option<SpecialRow>,
 }
 
 impl From<&Stop> for BranchEnd {
@@ -254,13 +326,14 @@ impl From<&Stop> for BranchEnd {
             word,
             bifurcation: None,
         };
-        let located = |word, name, parameter, uncertainty, period| BranchEnd {
+        let located = |word, name: &str, parameter, uncertainty, period| BranchEnd {
             word,
-            bifurcation: Some(EndBifurcation {
-                name,
+            bifurcation: Some(SpecialRow {
+                name: name.to_owned(),
                 parameter,
                 uncertainty,
                 period,
+                ..SpecialRow::default()
             }),
         };
         match *stop {

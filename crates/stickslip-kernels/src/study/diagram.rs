@@ -1,18 +1,15 @@
 //! A bifurcation diagram, computed value by value.
 
-use std::cell::Cell;
-
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
-    AttractorChange, RecurrenceSettings, SequenceChange, SweepSettings, WhatChanges, attractor,
-    attractor_of_many, locate_changes, sweep,
+    Attractor, AttractorChange, Exponent, SequenceChange, SweepPoint, WhatChanges, attractor,
+    attractor_of_many, carried_on, locate_changes,
 };
-use stickslip::dynamics::DynamicsRef;
+use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
 
-use super::{Largest, recurrence};
+use super::{largest, recurrence, reported};
 use crate::file::{SettingError, System};
-use crate::kernel::{Change, Motion, Outcome};
 
 /// Tolerance of the runs that locate changes. It is chosen near rounding: the parameter of a change
 /// is less accurate than the orbit by the slope of the event function.
@@ -36,136 +33,78 @@ pub struct Diagram<'a> {
 }
 
 /// The result at one parameter value.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct AtValue {
     /// Parameter value.
     pub value: f64,
-    /// Outcome of the orbit.
-    pub outcome: Outcome,
-    /// Its largest exponent.
-    pub largest: Largest,
-}
-
-/// A change between two neighbouring parameter values.
-#[derive(Debug)]
-pub struct ChangeBetween {
-    /// The two values.
-    pub values: (f64, f64),
-    /// The change.
-    pub change: Change,
-}
-
-impl ChangeBetween {
-    /// The changes along all values, from those since each last one.
-    pub fn along(located: Vec<AttractorChange>) -> Vec<Self> {
-        let merged = AttractorChange::merged(located).into_iter();
-        let changes = merged.map(|AttractorChange { between, what }| ChangeBetween {
-            values: between,
-            change: Change::from(&what),
-        });
-        changes.collect()
-    }
-}
-
-/// Start of the computation at the next value.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct ValueEnd {
-    /// Parameter value.
-    pub value: f64,
-    /// Class of the motion, by [`System::class`].
-    pub class: String,
-    /// Initial state of the orbit at this value.
-    pub start: Vec<f64>,
+    /// What the orbit has reached, as [`reported`].
+    pub reached: Attractor,
+    /// Its largest exponent, if it was measured.
+    pub largest: Option<Exponent>,
     /// Initial state of the orbit at the next value.
-    pub carried: Vec<f64>,
+    carried: Vector,
 }
 
 impl Diagram<'_> {
-    /// Computes the result at a value, the changes of the attractor since the last value, and the
-    /// start for the next one. The first orbit begins at `start`. `describe` formats the error of a
-    /// failed integration of the system at the value.
+    /// Computes the result at a value, and the changes of the attractor since the last value. The
+    /// first orbit begins at `start`. `describe` formats the error of a failed integration of the
+    /// system at the value.
     ///
     /// # Errors
     /// Those of [`attractor`], of the settings and of `start`.
     pub fn at<E: From<Error> + From<SettingError>>(
         &self,
         value: f64,
-        last: Option<&ValueEnd>,
+        last: Option<&AtValue>,
         start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
         describe: &dyn Fn(&Error, &System) -> String,
-    ) -> Result<(AtValue, Vec<AttractorChange>, ValueEnd), E> {
+    ) -> Result<(AtValue, Vec<AttractorChange>), E> {
         let here = self.system.with_values(&[(self.parameter, value)])?;
-        let settings = recurrence(&here, self.until);
-        let start = match last {
-            Some(last) => last.carried.clone(),
-            None => start(&here)?,
-        };
+        let (system, settings) = (here.dynamics(), recurrence(&here, self.until));
         // A start that is given must be one; where an orbit is carried to, it may not be.
-        let system = here.dynamics();
-        let reached = match last {
-            None => attractor(system, &*start, &settings, self.options)?,
-            Some(_) => attractor_of_many(system, &*start, &settings, self.options)?,
+        let (start, reached) = match last {
+            Some(AtValue { carried, .. }) => {
+                let reached = attractor_of_many(system, carried, &settings, self.options)?;
+                (carried.clone(), reached)
+            }
+            None => {
+                let start = Vector::from(start(&here)?);
+                let reached = attractor(system, &start, &settings, self.options)?;
+                (start, reached)
+            }
         };
-        let outcome = Outcome::of(&reached, &|error| describe(error, &here));
-        let class = here.class(&outcome);
-        let changes = match last.filter(|last| self.locates && last.class != class) {
-            Some(last) => self.located::<E>(last, &here, value, &settings)?,
-            None => Vec::new(),
-        };
-        let end = ValueEnd {
-            value,
-            class,
-            carried: carried_on(&outcome, settings.forcing.is_some())
-                .unwrap_or_else(|| start.clone()),
-            start,
-        };
-        let largest = match self.duration {
-            Some(duration) => Largest::on(&here, &outcome, duration, self.options),
-            None => Largest::Unmeasured,
-        };
+        let reached = reported(reached, |error| describe(error, &here));
         let found = AtValue {
             value,
-            outcome,
-            largest,
+            carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
+            largest: self
+                .duration
+                .and_then(|duration| largest::on(&here, &reached, duration, self.options)),
+            reached,
         };
-        Ok((found, changes, end))
+        let changes = match last.filter(|_| self.locates) {
+            Some(last) => self.located([last, &found], &here)?,
+            None => Vec::new(),
+        };
+        Ok((found, changes))
     }
 
-    /// Changes of the attractor between the last value and this one.
-    fn located<E: From<Error> + From<SettingError>>(
+    /// Changes of the attractor between the last value and this one. Times are those of the system
+    /// `here`, in which the period of the drive is constant.
+    fn located(
         &self,
-        last: &ValueEnd,
+        ends: [&AtValue; 2],
         here: &System,
-        value: f64,
-        recurrence: &RecurrenceSettings,
-    ) -> Result<Vec<AttractorChange>, E> {
-        let settings = SweepSettings {
-            recurrence: *recurrence,
-            ..SweepSettings::within(self.until)
-        };
-        // Time is scaled so that the drive keeps one period, even if its own period depends on the
-        // parameter. If the system cannot be built at a value, the sweep continues with the present
-        // one, and its result is discarded.
-        let complete = Cell::new(true);
-        let family = |value| {
-            let there = self.system.with_values(&[(self.parameter, value)]).ok();
-            let there = there.and_then(|there| there.in_period(recurrence.forcing).ok());
-            there.unwrap_or_else(|| {
-                complete.set(false);
-                DynamicsRef::Borrowed(&**self.system.dynamics())
-            })
-        };
-        let between = [last.value, value];
-        let (number, options) = (
-            here.file.parameter(self.parameter)?,
-            Options::tol(LOCATION_TOLERANCE),
-        );
-        let along = here.along(number)?;
-        // The orbit may not exist all the way.
-        let located = sweep(family, between, &*last.start, &settings, self.options)
-            .and_then(|points| locate_changes(&along, &points, recurrence.forcing, &options));
-        let Some(mut located) = located.ok().filter(|_| complete.get()) else {
-            let (between, what) = ((last.value, value), WhatChanges::Unlocated);
+    ) -> Result<Vec<AttractorChange>, SettingError> {
+        let points = ends.map(|at| SweepPoint {
+            parameter: at.value,
+            reached: at.reached.clone(),
+            exponent: None,
+        });
+        let along = here.along(here.file.parameter(self.parameter)?)?;
+        let (forcing, options) = (here.built.period, Options::tol(LOCATION_TOLERANCE));
+        let Ok(mut located) = locate_changes(&along, &points, forcing, &options) else {
+            let (between, what) = ((ends[0].value, ends[1].value), WhatChanges::Unlocated);
             return Ok(vec![AttractorChange { between, what }]);
         };
         for AttractorChange { what, .. } in &mut located {
@@ -177,23 +116,12 @@ impl Diagram<'_> {
                     parameter, period, ..
                 },
                 Some(reference),
-            ) = (what, recurrence.forcing)
+            ) = (what, forcing)
             {
                 let there = self.system.with_values(&[(self.parameter, *parameter)])?;
                 *period *= there.built.period.map_or(1.0, |there| there / reference);
             }
         }
         Ok(located)
-    }
-}
-
-/// Initial state of the orbit at the next value; `None` if this one has reached no attractor.
-fn carried_on(outcome: &Outcome, is_forced: bool) -> Option<Vec<f64>> {
-    match outcome.motion {
-        Motion::Escape | Motion::Failure(_) | Motion::Repelling | Motion::TwoFold => None,
-        // The state is taken at a strobe time, so that the next orbit begins at the same phase of
-        // the forcing.
-        _ if is_forced => outcome.points.last().map(|(_, x)| x.clone()),
-        _ => Some(outcome.left_at.1.clone()),
     }
 }

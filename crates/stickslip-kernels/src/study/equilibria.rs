@@ -8,7 +8,6 @@ use stickslip::analysis::{
 
 use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
 use crate::file::System;
-use crate::kernel::{Motion, Outcome};
 
 /// The equilibrium that the orbit from `x` approaches. With a transient of 0 it is `x` itself, as
 /// a guess.
@@ -39,10 +38,9 @@ pub fn equilibrium(
     if let AttractorKind::Failure(error) = reached.kind {
         return Err(error.into());
     }
-    let outcome = Outcome::of(&reached, &ToString::to_string);
-    match (&outcome.motion, outcome.points.first()) {
-        (Motion::Equilibrium, Some((_, x))) => Ok(x.clone()),
-        _ => Err(SearchError::NoEquilibrium(Box::new(outcome))),
+    match (&reached.kind, reached.points.first()) {
+        (AttractorKind::Equilibrium, Some(at)) => Ok(at.x.as_slice().to_vec()),
+        _ => Err(SearchError::NoEquilibrium(Box::new(reached))),
     }
 }
 
@@ -86,5 +84,31 @@ impl EquilibriaOfBranch {
             first,
             stops: [down.stop, up.stop],
         }
+    }
+}
+
+/// The contact on whose boundary a special equilibrium lies, and the modes before and after it; all
+/// empty for another one.
+pub fn boundary_of(at: &SpecialEquilibrium, system: &System) -> (String, [String; 2]) {
+    match &at.what {
+        EquilibriumBifurcation::Boundary {
+            contact,
+            before,
+            after,
+            ..
+        } => {
+            let after = after.map(|after| system.letters(&after));
+            let modes = [system.letters(before), after.unwrap_or_default()];
+            (system.contact_name(*contact), modes)
+        }
+        _ => Default::default(),
+    }
+}
+
+/// The frequency of a special equilibrium that is a Hopf bifurcation.
+pub fn frequency_of(at: &SpecialEquilibrium) -> Option<f64> {
+    match at.what {
+        EquilibriumBifurcation::Hopf { frequency } => Some(frequency),
+        _ => None,
     }
 }

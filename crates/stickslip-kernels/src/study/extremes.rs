@@ -2,9 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{OrbitUnderWay, Step, Vector};
+use stickslip::dynamics::{
+    DynamicsRef, OrbitProgress, OrbitUnderWay, Section, Step, Summary, Vector,
+};
+use stickslip::{Error, Options};
 
-use crate::kernel::Watcher;
+use crate::kernel::follow;
 
 /// Number of equal parts of a step at whose ends motion is sampled. It is chosen: two extrema
 /// within one part are not seen.
@@ -22,47 +25,42 @@ const GOLDEN_SECTIONS: usize = 40;
 /// The golden ratio minus 1.
 const INVERSE_GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
-/// Minimum and maximum of every state, also between the ends of steps.
-pub struct Extremes {
-    ranges: Vec<(f64, f64)>,
-}
-
-impl Extremes {
-    /// Starts an orbit at `x`.
-    pub fn from(x: &[f64]) -> Self {
-        Self {
-            ranges: x.iter().map(|&x| (x, x)).collect(),
-        }
-    }
-
-    /// Minimum and maximum of each state.
-    pub fn ranges(self) -> Vec<(f64, f64)> {
-        self.ranges
-    }
-}
-
-impl Watcher for Extremes {
-    fn watches_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        let solution = orbit.solution();
-        let at = |k: u32| time_in(&step, k);
-        let samples: Vec<Vector> = (0..=PARTS_PER_STEP).map(|k| solution(at(k))).collect();
-        for (i, (low, high)) in self.ranges.iter_mut().enumerate() {
-            for sign in [-1.0, 1.0] {
-                let heights = (0_u32..).zip(samples.iter().map(|x| sign * x[i]));
-                let (k, highest) = heights.fold((0, f64::NEG_INFINITY), |best, next| {
-                    if next.1 > best.1 { next } else { best }
-                });
-                let around = (at(k.saturating_sub(1)), at((k + 1).min(PARTS_PER_STEP)));
-                let height = |t: f64| sign * solution(t)[i];
-                let value = sign * greatest(&height, around).max(highest);
-                (*low, *high) = (low.min(value), high.max(value));
-            }
+/// Minimum and maximum of every state along a run, also between the ends of steps, and its end.
+///
+/// # Errors
+/// Those of [`stickslip::run`].
+pub fn extremes(
+    system: &DynamicsRef<'_>,
+    start: (f64, &[f64]),
+    t_end: f64,
+    options: &Options,
+) -> Result<(Vec<(f64, f64)>, Summary), Error> {
+    let mut ranges: Vec<(f64, f64)> = start.1.iter().map(|&x| (x, x)).collect();
+    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
+        if progress == OrbitProgress::Step {
+            widen(&mut ranges, &orbit.last_step(), &*orbit.solution());
         }
         ControlFlow::Continue(())
+    };
+    let ended = follow(system, start, t_end, options, &Section::None, &mut watcher)?;
+    Ok((ranges, ended))
+}
+
+/// Widens the ranges to those of a step.
+fn widen(ranges: &mut [(f64, f64)], step: &Step, solution: &dyn Fn(f64) -> Vector) {
+    let at = |k: u32| time_in(step, k);
+    let samples: Vec<Vector> = (0..=PARTS_PER_STEP).map(|k| solution(at(k))).collect();
+    for (i, (low, high)) in ranges.iter_mut().enumerate() {
+        for sign in [-1.0, 1.0] {
+            let heights = (0_u32..).zip(samples.iter().map(|x| sign * x[i]));
+            let (k, highest) = heights.fold((0, f64::NEG_INFINITY), |best, next| {
+                if next.1 > best.1 { next } else { best }
+            });
+            let around = (at(k.saturating_sub(1)), at((k + 1).min(PARTS_PER_STEP)));
+            let height = |t: f64| sign * solution(t)[i];
+            let value = sign * greatest(&height, around).max(highest);
+            (*low, *high) = (low.min(value), high.max(value));
+        }
     }
 }
 

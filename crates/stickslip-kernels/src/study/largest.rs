@@ -1,11 +1,9 @@
-//! The largest Lyapunov exponent of an attractor.
+//! The largest Lyapunov exponent of an attractor, where it could be measured.
 
-use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent};
+use stickslip::analysis::{Attractor, Exponent, SpectrumOptions, largest_exponent};
 
 use crate::file::System;
-use crate::kernel::Outcome;
 
 /// An exponent below this many standard errors counts as zero: with normal errors, 0.3 % of zero
 /// exponents are missed.
@@ -15,61 +13,38 @@ const ZERO_WITHIN_ERRORS: f64 = 3.0;
 /// the exponents of such orbits were accurate to about this.
 const PERIODIC_EXPONENT_ERROR: f64 = 1e-6;
 
-/// A largest Lyapunov exponent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Largest {
-    /// A finite exponent.
-    Finite {
-        /// The exponent.
-        value: f64,
-        /// Its standard error.
-        std_error: f64,
-    },
-    /// Stick annihilates all directions.
-    Annihilated,
-    /// There is no orbit to measure, or it could not be followed.
-    Unmeasured,
+/// Whether an exponent is zero within its error.
+pub fn is_zero(largest: Exponent) -> bool {
+    largest.std_error().is_some_and(|std_error| {
+        largest.value().abs() <= (ZERO_WITHIN_ERRORS * std_error).max(PERIODIC_EXPONENT_ERROR)
+    })
 }
 
-impl Largest {
-    /// Whether it is zero within its error.
-    pub fn is_zero(&self) -> bool {
-        match *self {
-            Largest::Finite { value, std_error } => {
-                value.abs() <= (ZERO_WITHIN_ERRORS * std_error).max(PERIODIC_EXPONENT_ERROR)
-            }
-            _ => false,
-        }
-    }
+/// Exponent, its standard error and its uncertainty ([`Exponent::uncertainty`]) after a measurement
+/// over this time. An infinite exponent has no error, and an exponent that is not measured has no
+/// value.
+pub fn numbers(largest: Option<Exponent>, duration: f64) -> [Option<f64>; 3] {
+    let std_error = largest.as_ref().and_then(Exponent::std_error);
+    let uncertainty = largest.filter(|_| std_error.is_some());
+    [
+        largest.as_ref().map(Exponent::value),
+        std_error,
+        uncertainty.map(|exponent| exponent.uncertainty(duration)),
+    ]
+}
 
-    /// Exponent, its standard error and its uncertainty ([`Exponent::uncertainty`]) after a
-    /// measurement over this time. An infinite exponent has no error, and an exponent that is not
-    /// measured has no value.
-    pub fn numbers(&self, duration: f64) -> [Option<f64>; 3] {
-        match *self {
-            Largest::Finite { value, std_error } => {
-                let exponent = Exponent::Finite { value, std_error };
-                [value, std_error, exponent.uncertainty(duration)].map(Some)
-            }
-            Largest::Annihilated => [Some(f64::NEG_INFINITY), None, None],
-            Largest::Unmeasured => [None; 3],
-        }
+/// Measures the exponent on an attractor that an orbit has reached; `None` if there is no
+/// attractor, or the orbit could not be followed.
+pub fn on(
+    system: &System,
+    reached: &Attractor,
+    duration: f64,
+    options: &Options,
+) -> Option<Exponent> {
+    if !reached.kind.is_attractor() {
+        return None;
     }
-
-    /// Measures the exponent on an attractor that an orbit has reached. It is not measured if there
-    /// is no attractor.
-    pub fn on(system: &System, outcome: &Outcome, duration: f64, options: &Options) -> Self {
-        if outcome.points.is_empty() {
-            return Largest::Unmeasured;
-        }
-        let (t, x) = &outcome.left_at;
-        // The orbit is on the attractor already; only the tangent vector has to align.
-        let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-        match largest_exponent(system.dynamics(), (*t, x.as_slice()), &settings) {
-            Ok(Exponent::Finite { value, std_error }) => Largest::Finite { value, std_error },
-            Ok(Exponent::Annihilated) => Largest::Annihilated,
-            Err(_) => Largest::Unmeasured,
-        }
-    }
+    // The orbit is on the attractor already; only the tangent vector has to align.
+    let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
+    largest_exponent(system.dynamics(), (reached.t, &reached.x), &settings).ok()
 }

@@ -4,22 +4,21 @@ mod branch;
 mod diagram;
 mod equilibria;
 mod extremes;
-mod largest;
+pub mod largest;
 mod phases;
+mod reached;
 mod search;
 pub mod tangents;
 mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
-pub use branch::{
-    Along, BranchEnd, BranchOrbit, DirectedBranch, EndBifurcation, WholeBranch, only_once,
-};
-pub use diagram::{AtValue, ChangeBetween, Diagram, ValueEnd};
-pub use equilibria::{EquilibriaOfBranch, equilibrium};
-pub use extremes::Extremes;
-pub use largest::Largest;
-pub use phases::PhasesOfPeriod;
+pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch};
+pub use diagram::{AtValue, Diagram};
+pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};
+pub use extremes::extremes;
+pub use phases::phases_of_period;
+pub use reached::reported;
 pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};
 pub use warnings::warnings;
 

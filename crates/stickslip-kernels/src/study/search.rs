@@ -3,16 +3,16 @@
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
+    Attractor, AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
     periodic_orbit, periodic_orbit_forced, with_shortest_period,
 };
-use stickslip::dynamics::{OrbitUnderWay, Section, Step, Summary, Transition, Vector};
+use stickslip::dynamics::{OrbitProgress, Section, Summary, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
 use super::extremes::{PARTS_PER_STEP, time_in};
 use crate::file::{PeriodError, System};
-use crate::kernel::{Outcome, Run, Watcher, follow};
+use crate::kernel::{Watcher, follow, ignore};
 
 /// Time for which the run is followed to name its motion if no periodic orbit is found. It is the
 /// default of `--until`, too.
@@ -94,8 +94,8 @@ pub enum SearchError {
     #[error("the system depends on time, so that it has no equilibrium")]
     HasNoEquilibrium,
     /// The run reaches another motion than an equilibrium.
-    #[error("no equilibrium was found: the run comes to a motion of kind `{}`", .0.motion.word())]
-    NoEquilibrium(Box<Outcome>),
+    #[error("no equilibrium was found: the run comes to a motion of kind `{}`", .0.kind.word())]
+    NoEquilibrium(Box<Attractor>),
     /// The search failed with an error.
     #[error(transparent)]
     Failed(#[from] Error),
@@ -163,15 +163,17 @@ impl Search<'_> {
         &self,
         (t, x): (f64, &Vector),
         span: f64,
-        watcher: &mut dyn Watcher,
+        watcher: &mut Watcher<'_>,
     ) -> Result<Summary, Error> {
-        let run = Run {
-            t,
-            x: x.as_slice(),
-            t_end: t + span,
-            options: self.options,
-        };
-        follow(self.system.dynamics(), &run, &Section::None, watcher)
+        let (system, start) = (self.system.dynamics(), (t, x.as_slice()));
+        follow(
+            system,
+            start,
+            t + span,
+            self.options,
+            &Section::None,
+            watcher,
+        )
     }
 
     /// The orbit of an autonomous system.
@@ -205,12 +207,7 @@ impl Search<'_> {
         };
         let drive = period;
         let period = f64::from(count) * drive;
-        let mut detector = RestDetector {
-            x: x.clone(),
-            lasts: true,
-        };
-        self.follow((t, &x), period, &mut detector)?;
-        if detector.lasts {
+        if self.rests((t, &x), period)? {
             return Err(SearchError::Held { x: (&x).into() });
         }
         let (system, options) = (self.system.dynamics(), self.options);
@@ -274,17 +271,46 @@ impl Search<'_> {
             return Ok((t, x));
         }
         let is_counted = given.is_none() && drive.is_none();
-        let mut limit = TransitionLimit {
-            left: is_counted.then_some(DEFAULT_TRANSIENT_CYCLES),
-            end: None,
-        };
-        let ended = self.follow((t, &x), span, &mut limit)?;
-        limit.end.map_or_else(|| at_end(ended, t), Ok)
+        let (mut left, mut end) = (is_counted.then_some(DEFAULT_TRANSIENT_CYCLES), None);
+        let ended = self.follow((t, &x), span, &mut |progress, orbit| {
+            match progress {
+                OrbitProgress::Transition(_) => left = left.map(|left| left.saturating_sub(1)),
+                // A step may end at the next transition; in its middle there is none.
+                OrbitProgress::Step if left == Some(0) => {
+                    let step = orbit.last_step();
+                    let t = 0.5 * (step.t_start + step.t_end);
+                    if t != step.t_end {
+                        end = Some((t, orbit.solution()(t)));
+                        return ControlFlow::Break(());
+                    }
+                }
+                _ => {}
+            }
+            ControlFlow::Continue(())
+        })?;
+        end.map_or_else(|| at_end(ended, t), Ok)
+    }
+
+    /// Whether friction holds the state for a period.
+    fn rests(&self, start: (f64, &Vector), period: f64) -> Result<bool, Error> {
+        let mut lasts = true;
+        self.follow(start, period, &mut |progress, orbit| {
+            if progress == OrbitProgress::Step {
+                let (step, solution) = (orbit.last_step(), orbit.solution());
+                let is_at_x = |k| solution(time_in(&step, k)) == *start.1;
+                lasts = step.mode.any_sticks() && (0..=PARTS_PER_STEP).all(is_at_x);
+            }
+            match lasts {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        })?;
+        Ok(lasts)
     }
 
     /// The time and state after a period.
     fn after_period(&self, t: f64, x: &Vector, period: f64) -> Result<(f64, Vector), Error> {
-        at_end(self.follow((t, x), period, &mut ())?, t)
+        at_end(self.follow((t, x), period, &mut ignore)?, t)
     }
 
     /// Number of periods after which the run returns about as near as it ever does.
@@ -316,56 +342,5 @@ fn at_end(ended: Summary, begun: f64) -> Result<(f64, Vector), Error> {
             span: t - begun,
         }),
         _ => Err(Error::NoUniqueFuture { t, x }),
-    }
-}
-
-/// Ends a run after a number of transitions.
-struct TransitionLimit {
-    /// How many are left, if they are counted.
-    left: Option<u32>,
-    /// Where the run was ended.
-    end: Option<(f64, Vector)>,
-}
-
-impl Watcher for TransitionLimit {
-    fn watches_steps(&self) -> bool {
-        self.left.is_some()
-    }
-
-    // A step may end at the next transition; in its middle there is none.
-    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        let t = 0.5 * (step.t_start + step.t_end);
-        if self.left != Some(0) || t == step.t_end {
-            return ControlFlow::Continue(());
-        }
-        self.end = Some((t, orbit.solution()(t)));
-        ControlFlow::Break(())
-    }
-
-    fn transition(&mut self, _: Transition) -> ControlFlow<()> {
-        self.left = self.left.map(|left| left.saturating_sub(1));
-        ControlFlow::Continue(())
-    }
-}
-
-/// Detects that friction holds the state.
-struct RestDetector {
-    x: Vector,
-    lasts: bool,
-}
-
-impl Watcher for RestDetector {
-    fn watches_steps(&self) -> bool {
-        true
-    }
-
-    fn step(&mut self, step: Step, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        let solution = orbit.solution();
-        let is_at_x = |k| solution(time_in(&step, k)) == self.x;
-        self.lasts = step.mode.any_sticks() && (0..=PARTS_PER_STEP).all(is_at_x);
-        match self.lasts {
-            true => ControlFlow::Continue(()),
-            false => ControlFlow::Break(()),
-        }
     }
 }

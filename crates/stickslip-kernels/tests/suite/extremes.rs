@@ -2,8 +2,7 @@
 
 use stickslip::Options;
 use stickslip_kernels::file::{Source, SystemFile};
-use stickslip_kernels::kernel::{Run, follow};
-use stickslip_kernels::study::Extremes;
+use stickslip_kernels::study::extremes;
 
 #[test]
 fn a_maximum_inside_a_step_is_found_to_rounding() {
@@ -13,15 +12,8 @@ fn a_maximum_inside_a_step_is_found_to_rounding() {
     let file = SystemFile::parse(Source { name, text }).unwrap();
     let system = file.with(&[]).unwrap();
     let (x, options) = ([2.0 - 0.3 * 0.3], Options::default());
-    let mut extremes = Extremes::from(&x);
-    let run = Run {
-        t: 0.0,
-        x: &x,
-        t_end: 1.0,
-        options: &options,
-    };
-    let end = follow(system.dynamics(), &run, &system.section(), &mut extremes).unwrap();
-    let [(lowest, highest)] = extremes.ranges()[..] else {
+    let (ranges, end) = extremes(system.dynamics(), (0.0, &x), 1.0, &options).unwrap();
+    let [(lowest, highest)] = ranges[..] else {
         panic!("one state")
     };
     assert!((highest - 2.0).abs() <= 2.0 * f64::EPSILON, "{highest:e}");

@@ -30,7 +30,6 @@ fn as_many_states_as_a_file_can_have_leave_room_for_a_parameter() {
     assert_eq!(most.dynamics().states(), 64);
     assert_eq!(most.along(0).unwrap().states(), 65);
     assert_eq!(most.along_both(1, 0).unwrap().states(), 66);
-    assert_eq!(most.in_period(None).unwrap().states(), 64);
 }
 
 #[test]

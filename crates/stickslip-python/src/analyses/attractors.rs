@@ -6,12 +6,13 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
-use stickslip::Error;
-use stickslip::analysis::{attractor_of_many, basin_while};
+use stickslip::analysis::{
+    Attractor, AttractorChange, AttractorKind, Exponent, WhatChanges, attractor_of_many,
+    basin_while,
+};
 use stickslip::dynamics::Vector;
 use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::kernel::{Change, Motion, Outcome};
-use stickslip_kernels::study::{ChangeBetween, Diagram, Largest, recurrence};
+use stickslip_kernels::study::{Diagram, largest, recurrence, reported};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};
@@ -36,30 +37,29 @@ fn check(system: &CompiledSystem, longest: f64) -> PyResult<()> {
 
 /// The motion that an orbit reaches.
 struct ReachedMotion {
-    motion: Motion,
+    kind: AttractorKind,
     phases: String,
+    /// NaN if there is no attractor.
     in_stick: f64,
 }
 
 impl ReachedMotion {
-    fn of(outcome: &Outcome, system: &CompiledSystem) -> Self {
+    fn of(reached: &Attractor, system: &CompiledSystem) -> Self {
         ReachedMotion {
-            motion: outcome.motion.clone(),
-            phases: system.phases(outcome),
-            in_stick: match outcome.points.is_empty() {
-                true => f64::NAN,
-                false => outcome.in_stick,
+            kind: reached.kind.clone(),
+            phases: system.phases(reached),
+            in_stick: match reached.kind.is_attractor() {
+                true => reached.in_stick,
+                false => f64::NAN,
             },
         }
     }
-}
 
-impl ReachedMotion {
     /// Why the run failed, if it did.
-    fn reason(&self) -> &str {
-        match &self.motion {
-            Motion::Failure(reason) => reason,
-            _ => "",
+    fn reason(&self) -> String {
+        match &self.kind {
+            AttractorKind::Failure(reason) => reason.to_string(),
+            _ => String::new(),
         }
     }
 }
@@ -67,15 +67,18 @@ impl ReachedMotion {
 /// Adds motions, with the reason of each failure. Where an interruption left one out, the texts are
 /// empty.
 fn motions(fields: &Fields<'_>, found: &[Option<ReachedMotion>]) -> PyResult<()> {
-    let text = |of: fn(&ReachedMotion) -> &str| {
-        let texts = found.iter().map(|one| one.as_ref().map_or("", of));
-        texts.collect::<Vec<_>>()
-    };
-    fields.texts("kind", text(|one| one.motion.word()))?;
-    fields.texts("phases", text(|one| &one.phases))?;
-    fields.texts("reason", text(ReachedMotion::reason))?;
-    let cycles = found.iter().map(|one| match one.as_ref()?.motion {
-        Motion::Periodic { period, returns } => Some((period, returns)),
+    let all = || found.iter().map(Option::as_ref);
+    fields.texts(
+        "kind",
+        all().map(|one| one.map_or("", |one| one.kind.word())),
+    )?;
+    fields.texts("phases", all().map(|one| one.map_or("", |one| &one.phases)))?;
+    fields.texts(
+        "reason",
+        all().map(|one| one.map(ReachedMotion::reason).unwrap_or_default()),
+    )?;
+    let cycles = all().map(|one| match one?.kind {
+        AttractorKind::Periodic { period, returns } => Some((period, returns)),
         _ => None,
     });
     fields.optional_numbers("period", cycles.clone().map(|one| Some(one?.0)))?;
@@ -83,18 +86,23 @@ fn motions(fields: &Fields<'_>, found: &[Option<ReachedMotion>]) -> PyResult<()>
         "returns",
         cycles.map(|one| one.map_or(0, |one| one.1 as i64)),
     )?;
-    let in_stick = found.iter().map(|one| Some(one.as_ref()?.in_stick));
-    fields.optional_numbers("in_stick", in_stick)
+    fields.optional_numbers("in_stick", all().map(|one| Some(one?.in_stick)))
 }
 
-/// Adds outcomes of orbits, with the points of their attractors.
-fn outcomes(fields: &Fields<'_>, system: &CompiledSystem, found: &[Outcome]) -> PyResult<()> {
-    let reached = found.iter().map(|one| Some(ReachedMotion::of(one, system)));
+/// Adds what orbits have reached, with the points of their attractors.
+fn outcomes<'a>(
+    fields: &Fields<'_>,
+    system: &CompiledSystem,
+    found: impl Iterator<Item = &'a Attractor> + Clone,
+) -> PyResult<()> {
+    let reached = found
+        .clone()
+        .map(|one| Some(ReachedMotion::of(one, system)));
     motions(fields, &reached.collect::<Vec<_>>())?;
     let points = PyList::empty(fields.py());
     for one in found {
-        let flat: Vec<f64> = one.points.iter().flat_map(|(_, x)| x.clone()).collect();
-        points.append(array(fields.py(), flat, [system.states()])?)?;
+        let flat = one.points.iter().flat_map(|at| at.x.iter().copied());
+        points.append(array(fields.py(), flat.collect(), [system.states()])?)?;
     }
     fields.put("points", points)
 }
@@ -103,10 +111,12 @@ fn outcomes(fields: &Fields<'_>, system: &CompiledSystem, found: &[Outcome]) -> 
 fn exponents(
     fields: &Fields<'_>,
     duration: Option<f64>,
-    exponents: impl Iterator<Item = Largest>,
+    exponents: impl Iterator<Item = Option<Exponent>>,
 ) -> PyResult<()> {
-    let numbers = exponents.map(|one| one.numbers(duration.unwrap_or(f64::NAN)));
-    let numbers: Vec<_> = numbers.collect();
+    let duration = duration.unwrap_or(f64::NAN);
+    let numbers: Vec<_> = exponents
+        .map(|one| largest::numbers(one, duration))
+        .collect();
     for (k, name) in ["exponent", "std_error", "uncertainty"]
         .into_iter()
         .enumerate()
@@ -132,7 +142,7 @@ pub(crate) fn bifurcation_diagram<'py>(
     let (compiled, options) = (&system.compiled, settings.options()?);
     check(compiled, longest)?;
     let outcome = computed(py, 0, (&report, ProgressKind::Count), |task| {
-        let (mut found, mut changes, mut last) = (Vec::new(), Vec::new(), None);
+        let (mut found, mut changes) = (Vec::new(), Vec::new());
         let follow = || -> Result<(), Failure> {
             let system = task.system(compiled)?;
             let diagram = Diagram {
@@ -145,13 +155,12 @@ pub(crate) fn bifurcation_diagram<'py>(
             };
             for value in values {
                 let start = |here: &CompiledSystem| start_state(here, x.as_deref());
-                let (at, between, end) = diagram.at(value, last.as_ref(), start, &words)?;
+                let (at, between) = diagram.at(value, found.last(), start, &words)?;
                 if task.is_stopped() {
                     break;
                 }
                 found.push(at);
                 changes.extend(between);
-                last = Some(end);
                 task.count();
             }
             Ok(())
@@ -163,9 +172,8 @@ pub(crate) fn bifurcation_diagram<'py>(
     let fields = Fields::new(py);
     fields.numbers("parameter", found.iter().map(|at| at.value))?;
     exponents(&fields, duration, found.iter().map(|at| at.largest))?;
-    let all: Vec<Outcome> = found.into_iter().map(|at| at.outcome).collect();
-    outcomes(&fields, compiled, &all)?;
-    let changes = ChangeBetween::along(changes);
+    outcomes(&fields, compiled, found.iter().map(|at| &at.reached))?;
+    let changes = AttractorChange::merged(changes);
     fields.fields("changes", located(py, compiled, &changes)?)?;
     fields.ended(raised)
 }
@@ -174,25 +182,32 @@ pub(crate) fn bifurcation_diagram<'py>(
 fn located<'py>(
     py: Python<'py>,
     system: &CompiledSystem,
-    changes: &[ChangeBetween],
+    changes: &[AttractorChange],
 ) -> PyResult<Fields<'py>> {
-    let all = || changes.iter().map(|at| &at.change);
+    let all = || changes.iter().map(|at| &at.what);
     let table = Fields::new(py);
-    table.texts("name", all().map(Change::name))?;
-    table.optional_numbers("parameter", all().map(Change::parameter))?;
-    table.optional_numbers("uncertainty", all().map(Change::uncertainty))?;
-    table.numbers("from_value", changes.iter().map(|at| at.values.0))?;
-    table.numbers("to_value", changes.iter().map(|at| at.values.1))?;
-    table.optional_numbers("period", all().map(Change::period))?;
-    let phases = |change: &Change| match change {
-        Change::Sequence { before, after, .. } => (system.sequence(before), system.sequence(after)),
+    table.texts("name", all().map(ToString::to_string))?;
+    table.optional_numbers("parameter", all().map(WhatChanges::parameter))?;
+    table.optional_numbers("uncertainty", all().map(WhatChanges::uncertainty))?;
+    table.numbers("from_value", changes.iter().map(|at| at.between.0))?;
+    table.numbers("to_value", changes.iter().map(|at| at.between.1))?;
+    table.optional_numbers("period", all().map(WhatChanges::period))?;
+    let phases = |change: &WhatChanges| match change {
+        WhatChanges::Sequence(change) => (
+            system.sequence(&change.before),
+            system.sequence(&change.after),
+        ),
         _ => (String::new(), String::new()),
     };
     table.texts("before", all().map(|change| phases(change).0))?;
     table.texts("after", all().map(|change| phases(change).1))?;
     let states = system.states();
-    let x = all().flat_map(|change| change.state().unwrap_or_else(|| vec![f64::NAN; states]));
-    table.array("y", x.collect(), [states])?;
+    let nowhere = Vector::from_element(states, f64::NAN);
+    table.rows(
+        "y",
+        all().map(|change| change.state().unwrap_or(&nowhere)),
+        states,
+    )?;
     Ok(table)
 }
 
@@ -213,7 +228,7 @@ pub(crate) fn parameter_map<'py>(
     check(compiled, longest)?;
     let [(name, columns), (other, rows)] = &plane;
     // The memory for a cell must not grow with the number of its points.
-    type Cell = Option<(ReachedMotion, Largest)>;
+    type Cell = Option<(ReachedMotion, Option<Exponent>)>;
     let cell = |system: &CompiledSystem, task: &Task, index: usize| -> Result<Cell, Failure> {
         if task.is_stopped() {
             return Ok(None);
@@ -223,16 +238,13 @@ pub(crate) fn parameter_map<'py>(
         let start = start_state(&here, x.as_deref())?;
         let recurrence = recurrence(&here, longest);
         let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
-        let outcome = Outcome::of(&reached, &|error| words(error, &here));
-        let largest = match duration {
-            Some(duration) => Largest::on(&here, &outcome, duration, &options),
-            None => Largest::Unmeasured,
-        };
+        let reached = reported(reached, |error| words(error, &here));
+        let largest = duration.and_then(|time| largest::on(&here, &reached, time, &options));
         if task.is_stopped() {
             return Ok(None);
         }
         task.count();
-        Ok(Some((ReachedMotion::of(&outcome, system), largest)))
+        Ok(Some((ReachedMotion::of(&reached, system), largest)))
     };
     let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
@@ -242,20 +254,11 @@ pub(crate) fn parameter_map<'py>(
             .map(|index| cell(&system, task, index));
         cells.collect::<Result<Vec<Cell>, Failure>>()
     })?;
-    let raised = outcome.raised;
-    let cells = match outcome.found {
-        Ok(cells) => cells,
-        Err(error) => return Err(raised.unwrap_or_else(|| error.raised(compiled))),
-    };
+    let (cells, raised) = outcome.kept(|error| error.raised(compiled))?;
     let (reached, largest): (Vec<_>, Vec<_>) = cells.into_iter().map(Option::unzip).unzip();
     let fields = Fields::new(py);
     motions(&fields, &reached)?;
-    let largest = largest.into_iter();
-    exponents(
-        &fields,
-        duration,
-        largest.map(|one| one.unwrap_or(Largest::Unmeasured)),
-    )?;
+    exponents(&fields, duration, largest.into_iter().map(Option::flatten))?;
     fields.ended(raised)
 }
 
@@ -292,14 +295,14 @@ pub(crate) fn basins<'py>(
         let found = basin_while(system.dynamics(), starts, &settings, &options, go_on);
         Ok(found?)
     })?;
-    let found = outcome.found;
-    let (attractors, reached) = found.map_err(|error: Failure| error.raised(compiled))?;
-    let attractors = attractors.iter();
-    let attractors =
-        attractors.map(|one| Outcome::of(one, &|error: &Error| words(error, compiled)));
+    let (found, raised) = outcome.kept(|error: Failure| error.raised(compiled))?;
+    let (attractors, reached) = found;
+    let attractors = attractors.into_iter();
+    let attractors = attractors.map(|one| reported(one, |error| words(error, compiled)));
+    let attractors: Vec<_> = attractors.collect();
     let fields = Fields::new(py);
-    outcomes(&fields, compiled, &attractors.collect::<Vec<_>>())?;
+    outcomes(&fields, compiled, attractors.iter())?;
     let reached = reached.iter().map(|one| one.map_or(-1, |one| one as i64));
     fields.integers("reached", reached)?;
-    fields.ended(outcome.raised)
+    fields.ended(raised)
 }

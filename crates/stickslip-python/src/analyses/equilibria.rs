@@ -2,12 +2,12 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{
-    ContinuationSettings, EquilibriumBifurcation, SpecialEquilibrium, continue_equilibrium,
-};
 use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::study::{Along, BranchEnd, EquilibriaOfBranch, equilibrium};
+use stickslip_kernels::study::{
+    Along, BranchEnd, EquilibriaOfBranch, boundary_of, equilibrium, frequency_of,
+};
 
+use super::branch::continuation_settings;
 use crate::errors::Failure;
 use crate::fields::{Fields, complex};
 use crate::task::{ProgressKind, computed};
@@ -26,24 +26,13 @@ pub(crate) fn equilibrium_continuation<'py>(
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, low, high) = range;
-    let (step, most_points) = how;
     let (compiled, options) = (&system.compiled, settings.options()?);
-    let branch = computed(py, 2, (&None, ProgressKind::Count), |task| {
+    let branch = computed(py, 1, (&None, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;
-        let settings = ContinuationSettings {
-            step,
-            most_points,
-            ..ContinuationSettings::over(low, high)
-        };
-        settings.check()?;
+        let settings = continuation_settings((low, high), how)?;
         let x = equilibrium(&system, &x, transient, &options)?;
-        let x = [x.as_slice(), &[along.value]].concat();
-        let direction = |is_upwards| {
-            continue_equilibrium(&along.dynamics, &*x, is_upwards, &settings, &options)
-        };
-        let (down, up) = rayon::join(|| direction(false), || direction(true));
-        Ok(EquilibriaOfBranch::joined([down?, up?]))
+        Ok(along.equilibria(&x, &settings, &options)?)
     })?;
     let branch = branch.whole(|error: Failure| error.raised(compiled))?;
     described(py, compiled, &branch)?.ended(None)
@@ -75,50 +64,18 @@ fn described<'py>(
     fields.texts("stability", stability)?;
     let words = stops.each_ref().map(|stop| BranchEnd::from(stop).word);
     fields.put("stops", (words[0], words[1]))?;
-    let boundaries = || special.iter().map(|at| Boundary::of(at, system));
+    let boundaries = || special.iter().map(|at| boundary_of(at, system));
     let table = Fields::new(py);
     table.texts("name", special.iter().map(|at| at.what.to_string()))?;
     table.numbers("parameter", special.iter().map(|at| at.parameter))?;
     table.numbers("uncertainty", special.iter().map(|at| at.uncertainty))?;
-    let frequencies = special.iter().map(|at| match at.what {
-        EquilibriumBifurcation::Hopf { frequency } => Some(frequency),
-        _ => None,
-    });
-    table.optional_numbers("frequency", frequencies)?;
-    table.texts("contact", boundaries().map(|at| at.contact))?;
-    table.texts("before", boundaries().map(|at| at.modes[0].clone()))?;
-    table.texts("after", boundaries().map(|at| at.modes[1].clone()))?;
+    table.optional_numbers("frequency", special.iter().map(frequency_of))?;
+    table.texts("contact", boundaries().map(|(contact, _)| contact))?;
+    table.texts("before", boundaries().map(|(_, [before, _])| before))?;
+    table.texts("after", boundaries().map(|(_, [_, after])| after))?;
     let y = special.iter().flat_map(|at| own(at.x.as_slice()));
     table.array("y", y.collect(), [states])?;
     table.integers("behind", special.iter().map(|at| at.behind as i64))?;
     fields.fields("special", table)?;
     Ok(fields)
-}
-
-/// The contact on whose boundary a special equilibrium lies, and the modes on both sides of it; all
-/// empty for another one.
-#[derive(Default)]
-struct Boundary {
-    contact: String,
-    modes: [String; 2],
-}
-
-impl Boundary {
-    fn of(at: &SpecialEquilibrium, system: &CompiledSystem) -> Self {
-        match &at.what {
-            EquilibriumBifurcation::Boundary {
-                contact,
-                before,
-                after,
-                ..
-            } => Boundary {
-                contact: system.contact_name(*contact),
-                modes: [
-                    system.letters(before),
-                    after.map_or_else(String::new, |after| system.letters(&after)),
-                ],
-            },
-            _ => Boundary::default(),
-        }
-    }
 }

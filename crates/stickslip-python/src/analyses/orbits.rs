@@ -1,16 +1,18 @@
 //! A periodic orbit, and returns to a section.
 
+use std::ops::ControlFlow;
+
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::Options;
 use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
-use stickslip::dynamics::Section;
+use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
+use stickslip::{Error, Options};
 use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::kernel::{Run, follow};
-use stickslip_kernels::study::{PeriodicSearch, PhasesOfPeriod, SearchError};
+use stickslip_kernels::kernel::follow;
+use stickslip_kernels::study::{PeriodicSearch, SearchError, phases_of_period};
 
 use super::Start;
-use crate::errors::Failure;
+use crate::errors::{Failure, computation};
 use crate::fields::{Fields, complex};
 use crate::task::{ProgressKind, Report, computed};
 use crate::{Settings, System};
@@ -49,17 +51,26 @@ pub(crate) fn periodic_orbit<'py>(
     let orbit = computed(py, 1, (&None, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let orbit = approached(&system, (t, &x), search, &options)?;
-        let once = Run {
-            t: orbit.t,
-            x: orbit.x.as_slice(),
-            t_end: orbit.t + orbit.period,
-            options: &options,
+        let mut phases = Vec::new();
+        let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
+            if let OrbitProgress::PhaseEnd(phase) = progress {
+                phases.push(phase);
+            }
+            ControlFlow::Continue(())
         };
-        let mut phases = PhasesOfPeriod::default();
-        follow(system.dynamics(), &once, &Section::None, &mut phases)?;
-        Ok((orbit, phases))
+        let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
+        let dynamics = system.dynamics();
+        follow(
+            dynamics,
+            start,
+            t_end,
+            &options,
+            &Section::None,
+            &mut watcher,
+        )?;
+        Ok((orbit, phases_of_period(&phases)))
     })?;
-    let (orbit, phases) = orbit.whole(|error: Failure| error.raised(compiled))?;
+    let (orbit, (phases, stick)) = orbit.whole(|error: Failure| error.raised(compiled))?;
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(!compiled.built.depends_on_time);
     let all = multipliers(&orbit.monodromy);
@@ -74,8 +85,8 @@ pub(crate) fn periodic_orbit<'py>(
     fields.array("monodromy", by_rows.as_slice().to_vec(), [orbit.x.len()])?;
     fields.put("multipliers", complex(py, &all))?;
     fields.put("stability", stability.to_string())?;
-    fields.put("in_stick", phases.stick / orbit.period)?;
-    fields.put("phases", compiled.sequence(&phases.cycle()))?;
+    fields.put("in_stick", stick / orbit.period)?;
+    fields.put("phases", compiled.sequence(&phases))?;
     fields.ended(None)
 }
 
@@ -116,7 +127,13 @@ pub(crate) fn poincare_map<'py>(
         let ended = follow();
         (found, ended)
     })?;
-    let (found, raised) = outcome.partial(|error: Failure| error.raised(compiled))?;
+    let (found, raised) = outcome.partial(|error: Failure| match error {
+        Failure::Run(error @ Error::NotFound { .. }) => {
+            let message = format!("{error}; give a larger `longest`, or another section");
+            computation("NotFound", &message, Some(&error))
+        }
+        error => error.raised(compiled),
+    })?;
     let fields = Fields::new(py);
     fields.numbers("t", found.iter().map(|(at, _)| at.t))?;
     fields.rows("y", found.iter().map(|(at, _)| &at.x), states)?;

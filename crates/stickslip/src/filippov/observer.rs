@@ -10,6 +10,7 @@ pub type Phase<const N: usize, K = Mode> = PhaseOf<State<N>, K>;
 
 /// A part of an orbit in one mode, between two transitions. `X` is a state, `K` a mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct PhaseOf<X, K> {
     /// Slip below, slip above, or stick; for several contacts, each one's.
     pub mode: K,
@@ -41,6 +42,7 @@ impl<X, K> PhaseOf<X, K> {
 
 /// What happened at a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TransitionKind {
     /// From slip on one side through Σ to slip on the other: the orbit kinks.
     Crossing,
@@ -62,6 +64,19 @@ pub enum TransitionKind {
 }
 
 impl TransitionKind {
+    /// Its name, for tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            TransitionKind::Crossing => "crossing",
+            TransitionKind::StickEntry => "stick entry",
+            TransitionKind::StickExit => "stick exit",
+            TransitionKind::Touch => "touch",
+            TransitionKind::ContactLoss => "contact loss",
+            TransitionKind::ContactGain => "contact gain",
+            TransitionKind::Jump => "jump",
+        }
+    }
+
     /// Kind of a change of one contact's mode. At a transition of several contacts, others may be
     /// released or stop, too.
     pub fn between(from: Mode, to: Mode) -> Self {

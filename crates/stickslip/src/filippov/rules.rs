@@ -39,6 +39,7 @@ pub(crate) struct Departure {
 
 /// Kind of a tangency of a field's orbit with Σ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Visibility {
     /// The orbit stays on the field's own side: an orbit of the system leaves Σ here.
     Visible,

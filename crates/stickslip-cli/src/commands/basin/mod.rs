@@ -8,20 +8,19 @@ use std::path::Path;
 use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::Options;
-use stickslip::analysis::{Attractors, RecurrenceSettings};
+use stickslip::analysis::{Attractor, AttractorKind, Attractors, attractors_of_many};
+use stickslip::dynamics::Vector;
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
 use super::range::{StateRange, grid, not_too_many};
-use super::sweeping::{Sweep, SweepArguments, UntilArguments, sweep, table, to_content};
+use super::sweeping::{Sweep, SweepArguments, UntilArguments, sweep, table};
 use super::{attractors, figures};
-use crate::failure::Failure;
+use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, state_words};
-use crate::sweep::{BlockError, Store, SweepError};
+use crate::sweep::{Store, SweepError};
 use starts::Points;
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{Motion, Outcome};
-use stickslip_kernels::study::recurrence;
+use stickslip_kernels::study::{recurrence, reported};
 
 /// Find which attractor each of many starts in a plane leads to
 ///
@@ -91,9 +90,9 @@ pub(super) struct Basin {
 
 /// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
-struct Block {
+pub(super) struct Block {
     /// Attractors of the starts in the block, in the order of first appearance.
-    attractors: Vec<Outcome>,
+    attractors: Vec<Attractor>,
     /// Index of each start's attractor in `attractors`.
     starts: Vec<usize>,
 }
@@ -167,29 +166,27 @@ impl Basin {
 impl Sweep for Basin {
     const COMMAND: &'static str = "basin";
 
+    type Block = Block;
+
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
         (self.points.blocks(), NonZeroUsize::MIN)
     }
 
-    fn block(
-        &self,
-        system: &System,
-        index: usize,
-        _before: Option<&[u8]>,
-    ) -> Result<Vec<u8>, BlockError> {
+    fn block(&self, system: &System, index: usize, _: Option<Block>) -> Result<Block, Failure> {
         let settings = recurrence(system, self.until);
         let options = self.solver.options()?;
         let points = self.points.of_block(index);
-        let starts: Vec<Vec<f64>> = points.map(|point| self.start(point)).collect();
-        let reached = attractors::reached_from_many(system, &starts, &settings, &options)?;
-        let mut known = Vec::new();
-        let starts = reached
-            .into_iter()
-            .map(|outcome| number(&mut known, outcome, system, &settings, &options))
-            .collect();
-        to_content(&Block {
-            attractors: known,
-            starts,
+        let starts = points.map(|point| Vector::from(self.start(point)));
+        let reached = attractors_of_many(system.dynamics(), starts, &settings, &options);
+        let reached = reached.map_err(|error| Failure::from(error).of(system))?;
+        let mut distinct = Attractors::new(system.dynamics(), &settings, &options);
+        let starts = reached.into_iter().map(|one| {
+            let one = reported(one, |error| in_words(error, system));
+            distinct.number(one)
+        });
+        Ok(Block {
+            starts: starts.collect(),
+            attractors: distinct.into_vec(),
         })
     }
 
@@ -211,10 +208,11 @@ impl Sweep for Basin {
                 number.as_deref().unwrap_or("none"),
                 one.share,
                 one.std_error,
-                attractors::words(system, &one.outcome, self.until)
+                attractors::words(system, &one.reached, self.until)
             ));
-            if let (Some((_, x)), 1..) = (one.outcome.points.first(), one.family) {
-                let (family, at) = (attractors::family_words(one.family), state_words(x));
+            if let (Some(at), 1..) = (one.reached.points.first(), one.family()) {
+                let family = attractors::family_words(one.family());
+                let at = state_words(at.x.as_slice());
                 report.note(format!("{:32}{family}, here the one through {at}", ""));
             }
         }
@@ -226,12 +224,12 @@ impl Sweep for Basin {
             .field("attractors", json(true))
             .field("no_attractor", json(false));
         let table = Table::new().column("attractor", |one: &&OutcomeShare| one.number);
-        let table = attractors::columns(system, table, |one| &one.outcome)
+        let table = attractors::columns(system, table, |one| &one.reached)
             .column("starts", |one| one.starts)
             .column("share", |one| one.share)
             .column("std_error", |one| one.std_error)
             .state(system, "", |one| {
-                one.outcome.points.first().map(|(_, x)| x.clone())
+                one.reached.points.first().map(|at| at.x.clone())
             });
         report.table(table.csv("attractors", in_order.iter().copied())?);
         report.figure("basin", &self.figure(&attractors, &reached, system))?;
@@ -242,10 +240,7 @@ impl Sweep for Basin {
 /// An attractor, or an outcome that is no attractor (such as escape), with the starts that lead to
 /// it.
 struct OutcomeShare {
-    outcome: Outcome,
-    /// Dimension of the family of periodic orbits that this attractor represents. The first orbit
-    /// of a family represents it.
-    family: usize,
+    reached: Attractor,
     /// Number of the attractor, from 1; `None` for other outcomes.
     number: Option<usize>,
     starts: usize,
@@ -255,29 +250,19 @@ struct OutcomeShare {
     std_error: f64,
 }
 
-/// Index of an attractor among the known ones. A new attractor is added.
-fn number(
-    known: &mut Vec<Outcome>,
-    mut outcome: Outcome,
-    system: &System,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> usize {
-    let attractors = Attractors::new(system.dynamics(), settings, options);
-    let same = |one: &Outcome| one.is_same(&outcome, &attractors);
-    known.iter().position(same).unwrap_or_else(|| {
-        // The family is determined once, because every further orbit is compared with it.
-        outcome.family = Some(outcome.family(&attractors));
-        known.push(outcome);
-        known.len() - 1
-    })
+impl OutcomeShare {
+    /// Dimension of the family of periodic orbits that this attractor represents. The first orbit
+    /// of a family represents it.
+    fn family(&self) -> usize {
+        self.reached.family.unwrap_or(0)
+    }
 }
 
 /// Numbers the attractors from 1, in order. Other outcomes have no number.
-fn numbers_of(known: &[Outcome]) -> Vec<Option<usize>> {
+fn numbers_of(known: &[Attractor]) -> Vec<Option<usize>> {
     let mut last = 0;
-    let number = |outcome: &Outcome| {
-        outcome.motion.is_attractor().then(|| {
+    let number = |reached: &Attractor| {
+        reached.kind.is_attractor().then(|| {
             last += 1;
             last
         })
@@ -297,18 +282,18 @@ impl Basin {
     ) -> Result<(Vec<OutcomeShare>, Vec<u32>), Failure> {
         let settings = recurrence(system, self.until);
         let options = self.solver.options()?;
-        let (mut known, mut reached) = (Vec::new(), Vec::new());
+        let mut distinct = Attractors::new(system.dynamics(), &settings, &options);
+        let mut reached = Vec::new();
         type Row = (Vec<f64>, Option<usize>, &'static str);
         let starts = Table::new()
             .state(system, "", |(start, ..): &Row| start.clone())
             .column("attractor", |&(_, number, _)| number)
             .column("motion", |&(.., word)| word);
         table(store, path, &starts, |index, block: Block| {
-            let outcomes = block.attractors.into_iter();
-            let numbers: Vec<usize> = outcomes
-                .map(|outcome| number(&mut known, outcome, system, &settings, &options))
-                .collect();
-            let known_numbers = numbers_of(&known);
+            let found = block.attractors.into_iter();
+            let numbers: Vec<usize> = found.map(|one| distinct.number(one)).collect();
+            let known = distinct.all();
+            let known_numbers = numbers_of(known);
             let points = self.points.of_block(index).zip(block.starts);
             let row = |(point, local): (usize, usize)| {
                 let attractor = *numbers.get(local).ok_or_else(|| SweepError::Block {
@@ -316,21 +301,21 @@ impl Basin {
                     source: format!("it has no attractor {local}").into(),
                 })?;
                 reached.push(attractor as u32);
-                let word = known[attractor].motion.word();
+                let word = known[attractor].kind.word();
                 Ok((self.start(point), known_numbers[attractor], word))
             };
             points.map(row).collect()
         })?;
+        let known = distinct.into_vec();
         let mut starts = vec![0; known.len()];
         for &attractor in &reached {
             starts[attractor as usize] += 1;
         }
         let (numbers, all) = (numbers_of(&known), reached.len() as f64);
-        let share_of = |((outcome, number), starts): ((Outcome, _), usize)| {
+        let share_of = |((reached, number), starts): ((Attractor, _), usize)| {
             let share = starts as f64 / all;
             OutcomeShare {
-                family: outcome.family.unwrap_or(0),
-                outcome,
+                reached,
                 number,
                 starts,
                 share,
@@ -342,14 +327,16 @@ impl Basin {
     }
 
     fn json(&self, one: &OutcomeShare, system: &System) -> Value {
-        let mut json = match &one.outcome.motion {
-            motion if motion.is_attractor() => attractors::json(&one.outcome, system),
-            Motion::Failure(error) => json!({ "motion": "failure", "first_error": error }),
-            Motion::Undecided => json!({ "motion": "undecided", "after": self.until }),
-            motion => json!({ "motion": motion.word() }),
+        let mut json = match &one.reached.kind {
+            kind if kind.is_attractor() => attractors::json(&one.reached, system),
+            AttractorKind::Failure(error) => {
+                json!({ "motion": "failure", "first_error": error.to_string() })
+            }
+            AttractorKind::Undecided => json!({ "motion": "undecided", "after": self.until }),
+            kind => json!({ "motion": kind.word() }),
         };
         if one.number.is_some() {
-            json["family_dimension"] = json!(one.family);
+            json["family_dimension"] = json!(one.family());
         }
         json["starts"] = json!(one.starts);
         json["share"] = json!(one.share);
@@ -374,8 +361,8 @@ impl Basin {
         let classes = figures::by_size(
             attractors,
             |one| one.starts,
-            |one| one.number.is_none().then(|| one.outcome.motion.word()),
-            |one| self.legend(system, &one.outcome, one.share),
+            |one| one.number.is_none().then(|| one.reached.kind.word()),
+            |one| self.legend(system, &one.reached, one.share),
             |rest| {
                 let share: f64 = rest.iter().map(|&number| attractors[number].share).sum();
                 format!("{} further attractors, {:.2} %", rest.len(), 100.0 * share)
@@ -407,16 +394,16 @@ impl Basin {
     }
 
     /// Name of an attractor in the legend.
-    fn legend(&self, system: &System, outcome: &Outcome, share: f64) -> String {
-        let word = outcome.motion.word();
+    fn legend(&self, system: &System, reached: &Attractor, share: f64) -> String {
+        let word = reached.kind.word();
         let percent = 100.0 * share;
-        let Motion::Periodic { period, .. } = outcome.motion else {
+        let AttractorKind::Periodic { period, .. } = reached.kind else {
             return format!("{}: {percent:.2} %", attractors::since(word, self.until));
         };
-        let phases = system.phases(outcome);
+        let phases = system.phases(reached);
         // Long sequences would be wider than the figure.
         let phases = if phases.len() > 24 {
-            format!("{} phases", outcome.phases.len())
+            format!("{} phases", reached.phases.len())
         } else {
             figures::plain(&phases)
         };

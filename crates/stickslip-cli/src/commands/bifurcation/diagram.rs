@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::rc::Rc;
 
 use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
+use stickslip::analysis::{AttractorChange, AttractorKind, Exponent};
+use stickslip::dynamics::{Phase, Vector};
 use stickslip_kernels::file::System;
-use stickslip_kernels::kernel::{AttractorPhase, Motion};
-use stickslip_kernels::study::Largest;
+use stickslip_kernels::study::AtValue;
 
-use super::{AtValue, Bifurcation, Block, ChangeBetween};
+use super::{Bifurcation, Block};
 use crate::commands::exponent;
 use crate::commands::sweeping::table;
 use crate::commands::{attractors, figures};
@@ -46,7 +47,7 @@ pub(super) struct OneDirection {
     /// Largest exponents.
     exponents: Points,
     /// Changes along the pass, and the values between which they occur.
-    pub(super) changes: Vec<ChangeBetween>,
+    pub(super) changes: Vec<AttractorChange>,
     /// Intervals of the parameter with the same motion, in the order of the pass, and the motion.
     pub(super) spans: Vec<(f64, f64, String)>,
     /// The last value and the attractor there in words, if the orbit reached one.
@@ -57,19 +58,19 @@ pub(super) struct OneDirection {
 impl OneDirection {
     fn add(&mut self, system: &System, at: &AtValue, until: f64) {
         let value = at.value;
-        let points = at.outcome.points.iter();
-        self.section.extend(points.map(|(_, x)| (value, x[0])));
-        let sticks = sticks(at).map(|phase| (value, phase.t_end - phase.t_start));
+        let points = at.reached.points.iter();
+        self.section.extend(points.map(|point| (value, point.x[0])));
+        let sticks = sticks(at).map(|phase| (value, phase.duration()));
         self.sticks.extend(sticks);
-        if let Largest::Finite {
+        if let Some(Exponent::Finite {
             value: exponent, ..
-        } = at.largest
+        }) = at.largest
         {
             self.exponents.push((value, exponent));
         }
-        let class = system.class(&at.outcome);
-        let words = attractors::words(system, &at.outcome, until);
-        let is_attractor = at.outcome.motion.is_attractor();
+        let class = system.class(&at.reached);
+        let words = attractors::words(system, &at.reached, until);
+        let is_attractor = at.reached.kind.is_attractor();
         let here = is_attractor.then(|| (value, words.clone()));
         let last = std::mem::replace(&mut self.last, here);
         match self.spans.last_mut() {
@@ -89,10 +90,10 @@ impl OneDirection {
 }
 
 /// The phases of a periodic orbit in which a contact sticks.
-fn sticks(at: &AtValue) -> impl Iterator<Item = &AttractorPhase> {
-    let is_periodic = matches!(at.outcome.motion, Motion::Periodic { .. });
-    let phases = at.outcome.phases.iter().filter(move |_| is_periodic);
-    phases.filter(|phase| phase.modes.any_sticks())
+fn sticks(at: &AtValue) -> impl Iterator<Item = &Phase> {
+    let is_periodic = matches!(at.reached.kind, AttractorKind::Periodic { .. });
+    let phases = at.reached.phases.iter().filter(move |_| is_periodic);
+    phases.filter(|phase| phase.mode.any_sticks())
 }
 
 impl Bifurcation {
@@ -104,45 +105,41 @@ impl Bifurcation {
         [points, sticks_path]: &[PathBuf; 2],
     ) -> Result<[OneDirection; 2], Failure> {
         let mut directions = [OneDirection::default(), OneDirection::default()];
-        let mut changes = [Vec::new(), Vec::new()];
         let parameter = self.parameter.name.as_str();
         // A value without section points has one entry without a state.
         type Point = (usize, Rc<AtValue>, Option<usize>);
         let columns = Table::new()
             .column("way", |&(way, ..): &Point| DIRECTION_NAMES[way])
             .column(parameter, |(_, at, _)| at.value);
-        let columns = attractors::columns(system, columns, |(_, at, _)| &at.outcome);
+        let columns = attractors::columns(system, columns, |(_, at, _)| &at.reached);
         let columns = exponent::columns(columns, self.duration, |(_, at, _)| at.largest);
         let columns = columns.state(system, "", |(_, at, point)| {
-            point.map(|point| at.outcome.points[point].1.clone())
+            point.map(|point| at.reached.points[point].x.clone())
         });
         table(store, points, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
             let way = &mut directions[number];
-            changes[number].extend(part.changes);
+            way.changes.extend(part.changes);
             let mut rows = Vec::new();
             for at in part.found.into_iter().map(Rc::new) {
                 way.add(system, &at, self.until);
-                let points = (0..at.outcome.points.len()).map(Some);
-                let none = at.outcome.points.is_empty().then_some(None);
+                let points = (0..at.reached.points.len()).map(Some);
+                let none = at.reached.points.is_empty().then_some(None);
                 rows.extend(points.chain(none).map(|point| (number, at.clone(), point)));
             }
             Ok(rows)
         })?;
 
-        for (way, changes) in directions.iter_mut().zip(changes) {
-            way.changes = ChangeBetween::along(changes);
+        for way in &mut directions {
+            way.changes = AttractorChange::merged(std::mem::take(&mut way.changes));
         }
 
-        type Stick = (usize, f64, AttractorPhase);
-        let lengths = |(.., phase): &Stick| -> Vec<f64> {
-            let ends = phase.x_end.iter().zip(&phase.x_start);
-            ends.map(|(end, start)| end - start).collect()
-        };
+        type Stick = (usize, f64, Phase);
+        let lengths = |(.., phase): &Stick| -> Vector { phase.displacement() };
         let columns = Table::new()
             .column("way", |&(way, ..): &Stick| DIRECTION_NAMES[way])
             .column(parameter, |&(_, value, _)| value)
-            .column("duration", |(.., phase)| phase.t_end - phase.t_start)
+            .column("duration", |(.., phase)| phase.duration())
             .state(system, "_length", lengths);
         table(store, sticks_path, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
@@ -194,7 +191,7 @@ impl Bifurcation {
                 panel.add(Guide::horizontal(0.0));
             }
             for change in up.changes.iter().chain(&down.changes) {
-                if let Some(value) = change.change.parameter() {
+                if let Some(value) = change.what.parameter() {
                     panel.add(Guide::vertical(value));
                 }
             }

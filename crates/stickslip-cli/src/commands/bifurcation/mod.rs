@@ -12,17 +12,14 @@ use stickslip::error::readable;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
 use super::range::{ParameterRange, not_too_many};
-use super::sweeping::{
-    ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, from_content, sweep,
-    to_content,
-};
+use super::sweeping::{ExponentArguments, Sweep, SweepArguments, UntilArguments, blocks, sweep};
 use super::{attractors, changes};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, place};
-use crate::sweep::{BlockError, Store};
+use crate::sweep::Store;
 use diagram::DIRECTION_NAMES;
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurrence};
+use stickslip_kernels::study::{AtValue, Diagram, recurrence};
 
 /// Follow attractors along a parameter, up and down
 ///
@@ -32,9 +29,9 @@ use stickslip_kernels::study::{AtValue, ChangeBetween, Diagram, ValueEnd, recurr
 ///
 /// A change of the phases is located and named by the event function that vanishes there. If none
 /// vanishes, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
-/// branch point. An equilibrium is followed to where it loses its stability or ends at the
-/// boundary; `continue --equilibrium` also finds where it passes the boundary and goes on. If one
-/// orbit ends and the run reaches another that begins elsewhere, both places are reported.
+/// branch point. An equilibrium is followed to where it loses its stability, or comes to the
+/// boundary and ends or goes on in another mode. If one orbit ends and the run reaches another that
+/// begins elsewhere, both places are reported.
 ///
 /// Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and
 /// `after` are the phases of the orbit that is followed through the change. If that orbit is
@@ -88,11 +85,10 @@ pub(super) struct Bifurcation {
 
 /// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
-struct Block {
+pub(super) struct Block {
     found: Vec<AtValue>,
     /// Changes from each value to the next. The first begins at the last value of the block before.
     changes: Vec<AttractorChange>,
-    last: Option<ValueEnd>,
 }
 
 impl Bifurcation {
@@ -142,45 +138,12 @@ impl Bifurcation {
             self.parameter.at(k as f64 / (number - 1) as f64)
         })
     }
-
-    fn part(
-        &self,
-        system: &System,
-        block: usize,
-        before: Option<&[u8]>,
-    ) -> Result<Block, BlockError> {
-        let options = self.solver.options()?;
-        let mut last = match before {
-            Some(before) => from_content::<Block>(before)?.last,
-            None => None,
-        };
-        let diagram = Diagram {
-            system,
-            parameter: &self.parameter.name,
-            until: self.until,
-            duration: Some(self.duration),
-            locates: true,
-            options: &options,
-        };
-        let (mut found, mut changes) = (Vec::new(), Vec::new());
-        for value in self.values_of(block) {
-            let start = |here: &System| self.start.at_zero(here, &[]);
-            let at = diagram.at(value, last.as_ref(), start, &in_words);
-            let (at, between, end) = at.map_err(|error: Failure| error.of(system))?;
-            found.push(at);
-            changes.extend(between);
-            last = Some(end);
-        }
-        Ok(Block {
-            found,
-            changes,
-            last,
-        })
-    }
 }
 
 impl Sweep for Bifurcation {
     const COMMAND: &'static str = "bifurcation";
+
+    type Block = Block;
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
         (DIRECTIONS, self.blocks())
@@ -190,9 +153,27 @@ impl Sweep for Bifurcation {
         &self,
         system: &System,
         index: usize,
-        before: Option<&[u8]>,
-    ) -> Result<Vec<u8>, BlockError> {
-        to_content(&self.part(system, index, before)?)
+        before: Option<Block>,
+    ) -> Result<Block, Failure> {
+        let options = self.solver.options()?;
+        let last = before.and_then(|mut before| before.found.pop());
+        let diagram = Diagram {
+            system,
+            parameter: &self.parameter.name,
+            until: self.until,
+            duration: Some(self.duration),
+            locates: true,
+            options: &options,
+        };
+        let (mut found, mut changes) = (Vec::new(), Vec::new());
+        for value in self.values_of(index) {
+            let start = |here: &System| self.start.at_zero(here, &[]);
+            let at = diagram.at(value, found.last().or(last.as_ref()), start, &in_words);
+            let (at, between) = at.map_err(|error: Failure| error.of(system))?;
+            found.push(at);
+            changes.extend(between);
+        }
+        Ok(Block { found, changes })
     }
 
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
@@ -208,22 +189,27 @@ impl Sweep for Bifurcation {
                 let motion = attractors::since(motion, self.until);
                 report.note(format!("{name:<4}  {first} to {last}: {motion}"));
             }
-            for ChangeBetween { values, change } in &way.changes {
-                let at = match change.parameter() {
+            for AttractorChange { between, what } in &way.changes {
+                let at = match what.parameter() {
                     Some(value) => {
-                        let uncertainty = change.uncertainty().unwrap_or(0.0);
+                        let uncertainty = what.uncertainty().unwrap_or(0.0);
                         format!("at {}", place(value, uncertainty))
                     }
-                    None => format!("between {} and {}", readable(values.0), readable(values.1)),
+                    None => format!(
+                        "between {} and {}",
+                        readable(between.0),
+                        readable(between.1)
+                    ),
                 };
-                report.note(format!(
-                    "{name:<4}  {at}: {}",
-                    changes::words(system, change)
-                ));
+                let words = match changes::sequence(what) {
+                    Some(change) => changes::words(system, change),
+                    None => what.to_string(),
+                };
+                report.note(format!("{name:<4}  {at}: {words}"));
             }
             for one in &way.replacements {
-                let between = way.changes.iter().filter(|at| at.values == one.values);
-                let between: Vec<_> = between.map(|at| &at.change).collect();
+                let between = way.changes.iter().filter(|at| at.between == one.values);
+                let between: Vec<_> = between.map(|at| &at.what).collect();
                 if changes::lose_attractor(system, &between, &one.class) {
                     let [from, to] = [one.values.0, one.values.1].map(readable);
                     report.note(format!(
@@ -235,8 +221,8 @@ impl Sweep for Bifurcation {
             let spans = way.spans.iter().map(
                 |(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }),
             );
-            let changes = way.changes.iter().map(|ChangeBetween { values, change }| {
-                json!({ "values": values, "change": changes::json(system, change) })
+            let changes = way.changes.iter().map(|AttractorChange { between, what }| {
+                json!({ "values": between, "change": changes::json(system, what) })
             });
             let [spans, changes] = [spans.collect::<Value>(), changes.collect()];
             report.field(name, json!({ "motions": spans, "changes": changes }));
@@ -244,22 +230,24 @@ impl Sweep for Bifurcation {
         for path in paths {
             report.file(path);
         }
-        type Row<'a> = (&'static str, &'a ChangeBetween);
+        type Row<'a> = (&'static str, &'a AttractorChange);
+        let sequence = |(_, at): &Row<'_>| changes::sequence(&at.what).cloned();
+        let phases = |k: usize| {
+            move |row: &Row<'_>| Some(changes::phases(system, &sequence(row)?)[k].clone())
+        };
         let table = Table::new()
             .column("way", |(name, _): &Row<'_>| *name)
-            .column(name, |(_, at)| at.change.parameter())
-            .column("from", |(_, at)| at.values.0)
-            .column("to", |(_, at)| at.values.1)
-            .column("what", |(_, at)| at.change.name())
-            .column("contacts", |(_, at)| changes::contacts(system, &at.change))
-            .column("uncertainty", |(_, at)| at.change.uncertainty())
-            .column("before", |(_, at)| {
-                changes::phases(system, &at.change).map(|[before, _]| before)
+            .column(name, |(_, at)| at.what.parameter())
+            .column("from", |(_, at)| at.between.0)
+            .column("to", |(_, at)| at.between.1)
+            .column("what", |(_, at)| at.what.to_string())
+            .column("contacts", |row| {
+                sequence(row).map(|change| system.contact_names(&change.contacts))
             })
-            .column("after", |(_, at)| {
-                changes::phases(system, &at.change).map(|[_, after]| after)
-            })
-            .state(system, "", |(_, at)| at.change.state());
+            .column("uncertainty", |(_, at)| at.what.uncertainty())
+            .column("before", phases(0))
+            .column("after", phases(1))
+            .state(system, "", |(_, at)| at.what.state().cloned());
         let rows = DIRECTION_NAMES.into_iter().zip(&directions);
         let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
         report.table(table.csv("changes", rows)?);

@@ -5,13 +5,13 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use serde_json::json;
 use stickslip::analysis::{
-    Branch, ContinuationSettings, Curve, CycleBifurcation, EquilibriumBranch, PartialBranch,
-    PeriodicOrbit, SpecialPoint, Stop, continue_change, continue_equilibrium, switch_branches,
+    Branch, ContinuationSettings, Curve, CycleBifurcation, PartialBranch, PeriodicOrbit,
+    SpecialPoint, Stop, continue_change, switch_branches,
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{Along, WholeBranch, only_once};
+use stickslip_kernels::study::{Along, WholeBranch};
 
 use super::super::range::ParameterRange;
 use super::saving::{BranchSaver, saved, saved_or_computed};
@@ -44,7 +44,7 @@ pub(super) struct SecondParameter {
 pub(super) struct BranchStart<'a> {
     system: &'a System,
     range: &'a ParameterRange,
-    along: Along<'a>,
+    pub(super) along: Along<'a>,
 }
 
 impl<'a> BranchStart<'a> {
@@ -67,33 +67,15 @@ impl<'a> BranchStart<'a> {
         })
     }
 
-    /// Settings and start of a continuation from an orbit: a state at a multiple of its period,
-    /// then the other parameter, if there is one, and the parameter. `periods` is the number of
-    /// periods of the drive in the orbit, if there is a drive.
-    fn start(
-        &self,
-        (orbit, periods): (&PeriodicOrbit, Option<u32>),
-        (settings, options): (&ContinuationSettings, &Options),
-        other: Option<f64>,
-    ) -> Result<(ContinuationSettings, Vec<f64>), Failure> {
-        let settings = ContinuationSettings {
-            forced: periods.map(|_| orbit.period),
-            ..*settings
-        };
-        let x = self.along.at_zero(orbit, options)?;
-        let parameters = other.into_iter().chain([self.along.value]);
-        Ok((settings, x.iter().copied().chain(parameters).collect()))
-    }
-
     /// The branch through an orbit.
     pub(super) fn branch(
         &self,
-        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        orbit: &PeriodicOrbit,
         settings: &ContinuationSettings,
         options: &Options,
         (writer, status): (&Writer, &Status),
     ) -> Result<WholeBranch, Failure> {
-        let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
+        let (settings, x) = self.along.start(orbit, settings, options, None)?;
         let far = Mutex::new([(0_usize, self.along.value); 2]);
         let way = |upwards| {
             let mut saving = BranchSaver::of(writer, usize::from(upwards));
@@ -112,29 +94,14 @@ impl<'a> BranchStart<'a> {
             let (along, period) = (&self.along.dynamics, orbit.period);
             let begun = match saved(writer, usize::from(upwards))? {
                 Some(begun) => begun,
-                None => PartialBranch::begin(along, &*x, period, upwards, &settings, options)?,
+                None => PartialBranch::begin(along, &x, period, upwards, &settings, options)?,
             };
             let followed = begun.follow(along, &settings, options, observe)?;
             saving.finish()?;
             Ok::<Branch, Failure>(followed)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
-        let (mut down, mut up) = (down?, up?);
-        only_once(&mut down, &mut up);
-        self.joined(down, up, options)
-    }
-
-    /// The branch of equilibria through the one near a state, downwards and upwards.
-    pub(super) fn equilibria(
-        &self,
-        x: &[f64],
-        settings: &ContinuationSettings,
-        options: &Options,
-    ) -> Result<[EquilibriumBranch; 2], Failure> {
-        let x = [x, &[self.along.value]].concat();
-        let way =
-            |upwards| continue_equilibrium(&self.along.dynamics, &*x, upwards, settings, options);
-        Ok([way(false)?, way(true)?])
+        self.along.joined([down?, up?], options)
     }
 
     /// The system with a second parameter as a state.
@@ -168,13 +135,14 @@ impl<'a> BranchStart<'a> {
     pub(super) fn curves(
         &self,
         also: &SecondParameter,
-        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        orbit: &PeriodicOrbit,
         branch: &WholeBranch,
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
     ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
-        let start = (orbit, periods);
-        let (settings, x) = self.start(start, (settings, options), Some(also.value))?;
+        let (settings, x) = self
+            .along
+            .start(orbit, settings, options, Some(also.value))?;
         let special: Vec<&SpecialPoint> = branch.special.iter().collect();
         let by = json!(also.range).to_string();
         let curve = |(k, at): (usize, &SpecialPoint)| {
@@ -182,7 +150,7 @@ impl<'a> BranchStart<'a> {
             let ranges = (&settings, (also.range.low, also.range.high));
             let way = (orbit.period, upwards, number);
             let mut curve = saved_or_computed(writer, (CURVES + 2 * k, &by), || {
-                match continue_change(&also.both, &*x, way, ranges, options) {
+                match continue_change(&also.both, &x, way, ranges, options) {
                     Ok(curve) => Ok(Some(curve)),
                     Err(Error::NotFound { .. }) => Ok(None),
                     Err(error) => Err(Failure::from(error)),
@@ -208,12 +176,12 @@ impl<'a> BranchStart<'a> {
     /// The branches that begin at flips and branch points of a branch, in their order.
     pub(super) fn side_branches(
         &self,
-        (orbit, periods): (&PeriodicOrbit, Option<u32>),
+        orbit: &PeriodicOrbit,
         branch: &WholeBranch,
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
     ) -> Result<Vec<SideBranch>, Failure> {
-        let (settings, x) = self.start((orbit, periods), (settings, options), None)?;
+        let (settings, x) = self.along.start(orbit, settings, options, None)?;
         let special = branch.special.iter().enumerate();
         let meets = |at: &SpecialPoint| {
             matches!(
@@ -228,7 +196,7 @@ impl<'a> BranchStart<'a> {
             let way = (orbit.period, upwards, number);
             let branches = saved_or_computed(writer, (BRANCHES + 2 * from, ""), || {
                 let along = &self.along.dynamics;
-                match switch_branches(along, &*x, way, &settings, options) {
+                match switch_branches(along, &x, way, &settings, options) {
                     Err(Error::NotFound { .. }) => Ok(Vec::new()),
                     switched => Ok(switched?.branches),
                 }
@@ -240,7 +208,7 @@ impl<'a> BranchStart<'a> {
                 stop: Stop::Points,
             };
             let joined = branches.into_iter().map(|way| {
-                let branch = self.joined(begin(&way), way, options)?;
+                let branch = self.along.joined::<Failure>([begin(&way), way], options)?;
                 Ok(SideBranch { from, branch })
             });
             joined.collect::<Result<Vec<_>, Failure>>()
@@ -248,18 +216,6 @@ impl<'a> BranchStart<'a> {
         let junctions = junctions.par_iter().enumerate();
         let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
         Ok(others?.into_iter().flatten().collect())
-    }
-
-    /// Joins both directions, with the extremes of each orbit.
-    fn joined(&self, down: Branch, up: Branch, options: &Options) -> Result<WholeBranch, Failure> {
-        let ways = [down, up].map(|way| {
-            let points = way.points.par_iter();
-            let extremes = points.map(|orbit| self.along.extremes(orbit, options));
-            Ok::<_, Failure>((extremes.collect::<Result<_, Failure>>()?, way))
-        });
-        let [down, up] = ways;
-        let ((low, down), (high, up)) = (down?, up?);
-        Ok(self.along.joined([(down, low), (up, high)])?)
     }
 }
 

@@ -9,7 +9,7 @@ use stickslip_kernels::file::System;
 use super::super::figures;
 use super::super::range::ParameterRange;
 use super::branch::SecondParameter;
-use super::special::{json as special_json, name_of, words as special_words};
+use super::special::{json as special_json, words as special_words};
 use crate::failure::Failure;
 use crate::render::{Report, Table};
 
@@ -30,7 +30,7 @@ pub(super) fn report(
             (Some(curve), Some(first), Some(last)) => {
                 let end = |point: &CurvePoint, stop: CurveStop| {
                     let [q, p] = point.parameters.map(readable);
-                    format!("{other} = {q}, {name} = {p} {}", words(stop))
+                    format!("{other} = {q}, {name} = {p} {}", described(stop)[1])
                 };
                 format!(
                     "in {name} and {other}, {what}: {} orbits from {} to {}",
@@ -43,14 +43,18 @@ pub(super) fn report(
         });
         let mut object = special_json(at, system);
         object["points"] = json!(points.len());
-        object["stops"] = json!(curve.as_ref().map(|curve| curve.stops.map(word)));
+        object["stops"] = json!(
+            curve
+                .as_ref()
+                .map(|curve| curve.stops.map(|stop| described(stop)[0]))
+        );
         objects.push(object);
     }
     report.field("also", &also.range);
     report.field("curves", objects);
     let rows = curves.iter().enumerate();
     let rows = rows.flat_map(|(number, (at, curve))| {
-        let what = name_of(at);
+        let what = at.what.to_string();
         let points = curve.iter().flat_map(|curve| &curve.points);
         points.map(move |point| (number, what.clone(), point))
     });
@@ -70,22 +74,16 @@ pub(super) fn report(
     Ok(())
 }
 
-/// Why a curve ends.
-fn words(stop: CurveStop) -> &'static str {
+/// Why a curve ends: a word for programs, and words.
+fn described(stop: CurveStop) -> [&'static str; 2] {
     match stop {
-        CurveStop::Range => "(an end of a range)",
-        CurveStop::Points => "(the largest number of orbits)",
-        CurveStop::AnotherChange => "(another change occurs at the same orbit)",
-        CurveStop::NoConvergence => "(no further orbit was found)",
-    }
-}
-
-fn word(stop: CurveStop) -> &'static str {
-    match stop {
-        CurveStop::Range => "range",
-        CurveStop::Points => "points",
-        CurveStop::AnotherChange => "another change",
-        CurveStop::NoConvergence => "no convergence",
+        CurveStop::Range => ["range", "(an end of a range)"],
+        CurveStop::Points => ["points", "(the largest number of orbits)"],
+        CurveStop::AnotherChange => [
+            "another change",
+            "(another change occurs at the same orbit)",
+        ],
+        CurveStop::NoConvergence => ["no convergence", "(no further orbit was found)"],
     }
 }
 
@@ -123,7 +121,7 @@ fn diagram(
             let [other, own] = point.parameters;
             (own, other)
         });
-        let what = name_of(at);
+        let what = at.what.to_string();
         let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
         panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
     }

@@ -1,4 +1,4 @@
-//! Ends of a branch in words, as values for programs, and as rows of a table.
+//! Ends of a branch in words, and as values for programs.
 
 use serde_json::{Value, json};
 use stickslip::analysis::Stop;
@@ -6,7 +6,6 @@ use stickslip::error::readable;
 use stickslip_kernels::file::System;
 use stickslip_kernels::study::BranchEnd;
 
-use super::special::SpecialRow;
 use crate::failure::in_words;
 use crate::render::within;
 
@@ -18,15 +17,14 @@ pub(super) struct EndDescription {
     pub(super) words: String,
     /// A value for programs, with its name.
     pub(super) detail: Option<(&'static str, Value)>,
-    /// The row of `special.csv`, if the end is a bifurcation. It has no phases, and a homoclinic
-    /// orbit has no period.
-    row: Option<SpecialRow>,
 }
 
 impl EndDescription {
     pub(super) fn of(stop: &Stop, system: &System, name: &str) -> Self {
-        let BranchEnd { word, bifurcation } = stop.into();
-        let (words, detail) = match *stop {
+        let located = |what: &str, parameter, uncertainty| {
+            format!("in {what}: at {name} = {}", within(parameter, uncertainty))
+        };
+        let (words, key) = match *stop {
             Stop::Range => ("at an end of the range".to_owned(), None),
             Stop::Points => (
                 "after the largest number of orbits (--points)".to_owned(),
@@ -36,16 +34,10 @@ impl EndDescription {
             Stop::Flip {
                 parameter,
                 uncertainty,
-            } => (
-                format!(
-                    "in a flip of the orbit of half the period: at {name} = {}",
-                    within(parameter, uncertainty)
-                ),
-                Some((
-                    "flip",
-                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
-                )),
-            ),
+            } => {
+                let what = "a flip of the orbit of half the period";
+                (located(what, parameter, uncertainty), Some("flip"))
+            }
             Stop::Equilibrium {
                 parameter,
                 frequency,
@@ -55,10 +47,7 @@ impl EndDescription {
                     readable(parameter),
                     readable(frequency)
                 ),
-                Some((
-                    "hopf",
-                    json!({ "parameter": parameter, "frequency": frequency }),
-                )),
+                Some("hopf"),
             ),
             Stop::BoundaryEquilibrium { parameter } => (
                 format!(
@@ -66,21 +55,15 @@ impl EndDescription {
                      bifurcation at {name} = {}",
                     readable(parameter)
                 ),
-                Some(("boundary_equilibrium", json!(parameter))),
+                Some("boundary_equilibrium"),
             ),
             Stop::TwoFold {
                 parameter,
                 uncertainty,
-            } => (
-                format!(
-                    "in a two-fold, to which it shrinks: at {name} = {}",
-                    within(parameter, uncertainty)
-                ),
-                Some((
-                    "two_fold",
-                    json!({ "parameter": parameter, "uncertainty": uncertainty }),
-                )),
-            ),
+            } => {
+                let what = "a two-fold, to which it shrinks";
+                (located(what, parameter, uncertainty), Some("two_fold"))
+            }
             Stop::Homoclinic {
                 parameter,
                 uncertainty,
@@ -92,32 +75,17 @@ impl EndDescription {
                     1 => "a homoclinic orbit of a saddle".to_owned(),
                     number => format!("a heteroclinic cycle of {number} saddles"),
                 };
-                (
-                    format!(
-                        "in {orbit}: at {name} = {}, rates {} and {}",
-                        within(parameter, uncertainty),
-                        readable(comes),
-                        readable(leaves)
-                    ),
-                    Some((
-                        "homoclinic",
-                        json!({
-                            "parameter": parameter,
-                            "uncertainty": uncertainty,
-                            "saddles": saddles,
-                            "leaves": leaves,
-                            "comes": comes,
-                        }),
-                    )),
-                )
+                let place = located(&orbit, parameter, uncertainty);
+                let [comes, leaves] = [comes, leaves].map(readable);
+                let words = format!("{place}, rates {comes} and {leaves}");
+                (words, Some("homoclinic"))
             }
             Stop::Rest => (
                 "at rest: its motion has fallen to a thousandth of the first orbit's".to_owned(),
                 None,
             ),
             Stop::Refused(ref error) => {
-                let words = in_words(error, system);
-                (format!("where {words}"), Some(("error", json!(words))))
+                (format!("where {}", in_words(error, system)), Some("error"))
             }
             Stop::SequenceEnds => (
                 "where its phases change: no orbit with other phases was found next to it"
@@ -130,23 +98,17 @@ impl EndDescription {
                 None,
             ),
         };
+        // The values of the library's variant, by its fields.
+        let value = match (stop, serde_json::to_value(stop)) {
+            (Stop::Refused(error), _) => json!(in_words(error, system)),
+            (Stop::BoundaryEquilibrium { parameter }, _) => json!(parameter),
+            (_, Ok(Value::Object(variant))) => variant.into_values().next().unwrap_or_default(),
+            _ => Value::Null,
+        };
         EndDescription {
-            stop: word,
+            stop: BranchEnd::from(stop).word,
             words,
-            detail,
-            row: bifurcation.map(|end| SpecialRow {
-                parameter: end.parameter,
-                what: end.name.to_owned(),
-                uncertainty: end.uncertainty,
-                period: end.period,
-                ..SpecialRow::default()
-            }),
+            detail: key.map(|key| (key, value)),
         }
-    }
-
-    /// The row of the end, `behind` orbits after the first.
-    pub(super) fn row(&self, behind: usize) -> Option<SpecialRow> {
-        let row = self.row.clone()?;
-        Some(SpecialRow { behind, ..row })
     }
 }

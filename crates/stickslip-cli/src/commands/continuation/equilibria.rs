@@ -1,17 +1,18 @@
 //! A branch of equilibria, in both directions.
 
-use plot::{BLACK, BLUE, Curve, Dash, Figure, Legend, Markers, Panel, Shape, VERMILLION};
+use plot::{BLACK, Figure, Legend, Markers, Panel, Shape};
 use serde_json::{Value, json};
 use stickslip::analysis::{
-    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium, Stability,
+    EquilibriumBifurcation, EquilibriumPoint, SpecialEquilibrium, Stability,
 };
 use stickslip::error::readable;
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::EquilibriaOfBranch;
+use stickslip_kernels::study::{EquilibriaOfBranch, boundary_of, frequency_of};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
 use super::ends::EndDescription;
+use super::figure::curve;
 use crate::failure::Failure;
 use crate::render::{Report, Table, place};
 
@@ -19,7 +20,7 @@ use crate::render::{Report, Table, place};
 pub(super) fn report(
     system: &System,
     range: &ParameterRange,
-    directions: [EquilibriumBranch; 2],
+    branch: &EquilibriaOfBranch,
 ) -> Result<Report, Failure> {
     let name = &range.name;
     let EquilibriaOfBranch {
@@ -27,12 +28,12 @@ pub(super) fn report(
         special,
         first,
         stops,
-    } = EquilibriaOfBranch::joined(directions);
+    } = branch;
     let count = points.len();
     let what = format!("{count} equilibria over {}", range.words());
     let mut report = Report::of(system, what);
     report.field("parameter", range).field("points", count);
-    if let Some(at) = points.get(first) {
+    if let Some(at) = points.get(*first) {
         let (value, stability) = (readable(at.parameter), at.stability());
         let begun = format!("begun at {name} = {value}: {stability}");
         report.note(match system.contacts() {
@@ -43,13 +44,13 @@ pub(super) fn report(
             }
         });
     }
-    for at in &special {
+    for at in special {
         let value = place(at.parameter, at.uncertainty);
         report.note(format!("at {name} = {value}: {}", words(at, system)));
     }
     let objects: Vec<Value> = special.iter().map(|at| object(at, system)).collect();
     report.field("special", objects);
-    let ends = [points.first(), points.last()].into_iter().zip(&stops);
+    let ends = [points.first(), points.last()].into_iter().zip(stops);
     let ends: Vec<Value> = ends
         .zip(["downwards", "upwards"])
         .map(|((last, stop), way)| {
@@ -61,9 +62,9 @@ pub(super) fn report(
         })
         .collect();
     report.field("ends", ends);
-    report.table(columns(system, name, &points).csv("equilibria", &points)?);
-    report.table(special_columns(system, name).csv("equilibria-special", &special)?);
-    report.figure("equilibria", &diagram(system, range, &points, &special))?;
+    report.table(columns(system, name, points).csv("equilibria", points)?);
+    report.table(special_columns(system, name).csv("equilibria-special", special)?);
+    report.figure("equilibria", &diagram(system, range, points, special))?;
     Ok(report)
 }
 
@@ -73,23 +74,16 @@ fn words(at: &SpecialEquilibrium, system: &System) -> String {
         EquilibriumBifurcation::Hopf { frequency } => {
             format!("Hopf bifurcation, frequency {}", readable(frequency))
         }
-        EquilibriumBifurcation::Boundary {
-            contact,
-            before,
-            after,
-            turns,
-        } => {
+        EquilibriumBifurcation::Boundary { turns, .. } => {
+            let (contact, [before, after]) = boundary_of(at, system);
             let contact = match system.contacts() {
                 1 => String::new(),
-                _ => format!(" of {}", system.contact_name(contact)),
+                _ => format!(" of {contact}"),
             };
-            let before = system.sequence(&[before]);
-            let what = match after.map(|after| system.sequence(&[after])) {
-                None => format!("mode {before} ends: none was found beyond"),
-                Some(after) if turns => {
-                    format!("nonsmooth fold, between modes {before} and {after}")
-                }
-                Some(after) => format!("persistence, between modes {before} and {after}"),
+            let what = match (&*after, turns) {
+                ("", _) => format!("mode {before} ends: none was found beyond"),
+                (_, true) => format!("nonsmooth fold, between modes {before} and {after}"),
+                (_, false) => format!("persistence, between modes {before} and {after}"),
             };
             format!("boundary equilibrium{contact}, {what}")
         }
@@ -97,45 +91,21 @@ fn words(at: &SpecialEquilibrium, system: &System) -> String {
     }
 }
 
-fn frequency(at: &SpecialEquilibrium) -> Option<f64> {
-    match at.what {
-        EquilibriumBifurcation::Hopf { frequency } => Some(frequency),
-        _ => None,
-    }
-}
-
-/// The contact on whose boundary the equilibrium lies, and the modes before and after it.
-fn boundary(at: &SpecialEquilibrium, system: &System) -> Option<(String, [String; 2])> {
-    match at.what {
-        EquilibriumBifurcation::Boundary {
-            contact,
-            before,
-            after,
-            ..
-        } => {
-            let after = after.map(|after| system.sequence(&[after]));
-            let modes = [system.sequence(&[before]), after.unwrap_or_default()];
-            Some((system.contact_name(contact), modes))
-        }
-        _ => None,
-    }
-}
-
 fn object(at: &SpecialEquilibrium, system: &System) -> Value {
-    let boundary = boundary(at, system).map(|(contact, [before, after])| {
-        let turns = matches!(
-            at.what,
-            EquilibriumBifurcation::Boundary { turns: true, .. }
-        );
-        json!({ "contact": contact, "before": before, "after": after, "turns": turns })
-    });
+    let boundary = match at.what {
+        EquilibriumBifurcation::Boundary { turns, .. } => {
+            let (contact, [before, after]) = boundary_of(at, system);
+            json!({ "contact": contact, "before": before, "after": after, "turns": turns })
+        }
+        _ => Value::Null,
+    };
     json!({
         "parameter": at.parameter,
         "uncertainty": at.uncertainty,
         "what": at.what.to_string(),
         "behind": at.behind,
         "x": at.x.as_slice()[..system.states()],
-        "frequency": frequency(at),
+        "frequency": frequency_of(at),
         "boundary": boundary,
     })
 }
@@ -163,15 +133,13 @@ fn columns<'a>(
 /// Table of special equilibria, each with the number of rows before it in the table of all.
 fn special_columns<'a>(system: &'a System, parameter: &str) -> Table<'a, &'a SpecialEquilibrium> {
     let states = system.states();
-    let modes = move |k: usize| {
-        move |at: &&SpecialEquilibrium| boundary(at, system).map(|(_, modes)| modes[k].clone())
-    };
+    let modes = |k: usize| move |at: &&SpecialEquilibrium| boundary_of(at, system).1[k].clone();
     Table::new()
         .column("behind", |at: &&SpecialEquilibrium| at.behind)
         .column(parameter, |at| at.parameter)
         .column("what", |at| at.what.to_string())
-        .column("contact", |at| boundary(at, system).map(|one| one.0))
-        .column("frequency", |at| frequency(at))
+        .column("contact", |at| boundary_of(at, system).0)
+        .column("frequency", |at| frequency_of(at))
         .column("uncertainty", |at| at.uncertainty)
         .column("before", modes(0))
         .column("after", modes(1))
@@ -200,17 +168,7 @@ fn diagram(
         let line = places[begin.saturating_sub(1)..end].to_vec();
         begin = end;
         let stability = run[0].stability();
-        let (color, dash) = match stability {
-            Stability::Stable => (BLUE, Dash::Solid),
-            Stability::Neutral => (BLUE, Dash::Dotted),
-            Stability::Unstable => (VERMILLION, Dash::Dashed),
-        };
-        let mut curve = Curve::new(line).color(color).dash(dash).width(1.4);
-        if !in_legend.contains(&stability) {
-            in_legend.push(stability);
-            curve = curve.legend(&stability.to_string());
-        }
-        panel.add(curve);
+        panel.add(curve(line, stability, Some(&mut in_legend)));
     }
     let kinds = [
         ("fold", Shape::Circle),

@@ -6,7 +6,7 @@ use plot::{
 };
 use stickslip::analysis::{CycleBifurcation, SpecialPoint, Stability, Stop};
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchOrbit, WholeBranch};
+use stickslip_kernels::study::{BranchEnd, BranchOrbit, WholeBranch};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
@@ -86,17 +86,7 @@ pub(super) fn diagram(
         }
         let runs = branches.iter().flat_map(|one| runs(one, value, is_size));
         for (stability, run) in runs {
-            let (color, dash) = match stability {
-                Stability::Stable => (BLUE, Dash::Solid),
-                Stability::Neutral => (BLUE, Dash::Dotted),
-                Stability::Unstable => (VERMILLION, Dash::Dashed),
-            };
-            let mut curve = Curve::new(run).color(color).dash(dash).width(1.4);
-            if k == last && !in_legend.contains(&stability) {
-                in_legend.push(stability);
-                curve = curve.legend(&stability.to_string());
-            }
-            panel.add(curve);
+            panel.add(curve(run, stability, (k == last).then_some(&mut in_legend)));
         }
         add_special(&mut panel, branches, value, is_size);
         add_ends(&mut panel, &ends);
@@ -106,6 +96,27 @@ pub(super) fn diagram(
         figure = figure.row(if k == last { 1.35 } else { 1.0 }, panel);
     }
     figure
+}
+
+/// A part of a branch of one stability, which is listed once in the legend.
+pub(super) fn curve(
+    points: Vec<(f64, f64)>,
+    stability: Stability,
+    legend: Option<&mut Vec<Stability>>,
+) -> Curve {
+    let (color, dash) = match stability {
+        Stability::Stable => (BLUE, Dash::Solid),
+        Stability::Neutral => (BLUE, Dash::Dotted),
+        Stability::Unstable => (VERMILLION, Dash::Dashed),
+    };
+    let curve = Curve::new(points).color(color).dash(dash).width(1.4);
+    match legend.filter(|listed| !listed.contains(&stability)) {
+        Some(listed) => {
+            listed.push(stability);
+            curve.legend(&stability.to_string())
+        }
+        None => curve,
+    }
 }
 
 /// Labels of special orbits, in the order of the legend.
@@ -193,15 +204,11 @@ fn end_mark(end: &BranchOrbit, stop: &Stop, value: Value, is_extent: bool) -> (f
         }
         _ => value(end),
     };
-    let place = match *stop {
-        Stop::Equilibrium { parameter, .. }
-        | Stop::BoundaryEquilibrium { parameter }
-        | Stop::TwoFold { parameter, .. }
-        | Stop::Flip { parameter, .. }
-        | Stop::Homoclinic { parameter, .. } => parameter,
-        _ => end.orbit.parameter,
-    };
-    (place, height)
+    let bifurcation = BranchEnd::from(stop).bifurcation;
+    (
+        bifurcation.map_or(end.orbit.parameter, |at| at.parameter),
+        height,
+    )
 }
 
 /// The orbits of all branches.

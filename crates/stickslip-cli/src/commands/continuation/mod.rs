@@ -85,12 +85,12 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
-    let prepared = arguments.run.prepared()?;
     if arguments.equilibrium {
         return arguments
             .run
             .with_report(|prepared| equilibria(arguments, prepared));
     }
+    let prepared = arguments.run.prepared()?;
     let outcome = continued(arguments, &prepared).map_err(|failure| failure.of(&prepared.system));
     let (report, writer) = outcome?;
     Ok(report.written(&writer.store.staging()?, &arguments.run.output)?)
@@ -116,8 +116,8 @@ fn equilibria(arguments: &Arguments, prepared: &PreparedRun) -> Result<Report, F
     let (range, settings) = settings(arguments, system)?;
     let begin = BranchStart::at(system, &range)?;
     let x = arguments.search.equilibrium(system, &prepared.x, options)?;
-    let branches = begin.equilibria(&x, &settings, options)?;
-    equilibria::report(system, &range, branches)
+    let branch = begin.along.equilibria(&x, &settings, options)?;
+    equilibria::report(system, &range, &branch)
 }
 
 /// Everything that the branch depends on, except the system.
@@ -158,18 +158,17 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
     let plan = plan("continue", &wanted, (DIRECTIONS, NonZeroUsize::MIN), system)?;
     let folder = folder(&arguments.run.output.out);
     Writer::check(&folder, &plan)?;
-    let (orbit, periods) =
-        arguments
-            .search
-            .periodic_orbit(system, (prepared.t, &prepared.x), options)?;
+    let (orbit, _) = arguments
+        .search
+        .periodic_orbit(system, (prepared.t, &prepared.x), options)?;
     arguments.resume.prepare(&folder, &plan, Share::WHOLE)?;
     let writer = Writer::open(&folder, &plan, Share::WHOLE)?;
     let branch = with_spinner("following the branch", |status| {
-        begin.branch((&orbit, periods), &settings, options, (&writer, status))
+        begin.branch(&orbit, &settings, options, (&writer, status))
     })?;
     let others = arguments.branches.then(|| {
         with_spinner("following the other branches", |_| {
-            begin.side_branches((&orbit, periods), &branch, (&settings, options), &writer)
+            begin.side_branches(&orbit, &branch, (&settings, options), &writer)
         })
     });
     let others = others.transpose()?;
@@ -177,7 +176,7 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
     if let Some(also) = also {
         let curves = with_spinner("following the special orbits in two parameters", |_| {
             let how = (&settings, options);
-            begin.curves(&also, (&orbit, periods), &branch, how, &writer)
+            begin.curves(&also, &orbit, &branch, how, &writer)
         })?;
         curves::report(&mut report, system, &range, &also, &curves)?;
     }

@@ -11,7 +11,7 @@ use super::super::range::ParameterRange;
 use super::branch::SideBranch;
 use super::ends::EndDescription;
 use super::figure;
-use super::special::{json as special_json, name_of, words};
+use super::special::{json as special_json, words};
 use super::tables::{columns, rows, special_columns};
 use crate::failure::Failure;
 use crate::render::{Report, explained, place};
@@ -79,7 +79,7 @@ pub(super) fn of(
     report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
     let rows = numbered().flat_map(|(k, one)| {
         let others = if k == 0 { others } else { &[] };
-        rows((k, one), others, system, name)
+        rows((k, one), others, system)
     });
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, range, &branches))?;
@@ -129,7 +129,7 @@ fn of_other(
     let at = main.special.get(*from);
     let begin = at.map_or_else(String::new, |at| {
         let place = place(at.parameter, at.uncertainty);
-        format!(" from the {} at {name} = {place}", name_of(at))
+        format!(" from the {} at {name} = {place}", at.what)
     });
     let [_, stop] = &branch.stops;
     let end = EndDescription::of(stop, system, name);

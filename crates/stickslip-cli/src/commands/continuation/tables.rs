@@ -1,12 +1,13 @@
 //! The tables `branch.csv` and `special.csv`.
 
 use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchOrbit, WholeBranch};
+use stickslip_kernels::study::{BranchOrbit, SpecialRow, WholeBranch};
 
 use super::branch::SideBranch;
-use super::ends::EndDescription;
-use super::special::SpecialRow;
 use crate::render::Table;
+
+/// A row of `special.csv`, with the number of its branch and of those that begin there.
+pub(super) type NumberedRow = (usize, String, SpecialRow);
 
 /// The columns of `special.csv`: special orbits and ends that are bifurcations. Each has the number
 /// of rows of its branch that come before it in `branch.csv`.
@@ -14,25 +15,23 @@ pub(super) fn special_columns<'a>(
     system: &System,
     parameter: &str,
     is_numbered: bool,
-) -> Table<'a, SpecialRow> {
-    let phases =
-        |k: usize| move |row: &SpecialRow| row.phases.as_ref().map(|phases| phases[k].clone());
-    let table = numbered(is_numbered, |row: &SpecialRow| row.branch);
+) -> Table<'a, NumberedRow> {
+    let table = numbered(is_numbered, |(number, ..): &NumberedRow| *number);
     let table = match is_numbered {
-        true => table.column("branches", |row| row.branches.clone()),
+        true => table.column("branches", |(_, branches, _)| branches.clone()),
         false => table,
     };
     table
-        .column("behind", |row| row.behind)
-        .column(parameter, |row| row.parameter)
-        .column("what", |row| row.what.clone())
-        .column("contacts", |row| row.contacts.clone())
-        .column("angle", |row| row.angle)
-        .column("uncertainty", |row| row.uncertainty)
-        .column("before", phases(0))
-        .column("after", phases(1))
-        .column("period", |row| row.period)
-        .state(system, "", |row| row.x.clone())
+        .column("behind", |(.., row)| row.behind)
+        .column(parameter, |(.., row)| row.parameter)
+        .column("what", |(.., row)| row.name.clone())
+        .column("contacts", |(.., row)| row.contacts.clone())
+        .column("angle", |(.., row)| row.angle)
+        .column("uncertainty", |(.., row)| row.uncertainty)
+        .column("before", |(.., row)| row.phases[0].clone())
+        .column("after", |(.., row)| row.phases[1].clone())
+        .column("period", |(.., row)| row.period)
+        .state(system, "", |(.., row)| row.x.clone())
 }
 
 /// A table with a column for the number of the branch, if `is_numbered`.
@@ -77,34 +76,25 @@ pub(super) fn columns<'a>(
         })
 }
 
-/// Rows of the special orbits of a branch with its number, at which other branches may begin. Ends
-/// that are bifurcations come before and after them.
+/// Rows of the special orbits of a branch with its number, at which other branches may begin.
 pub(super) fn rows(
     (number, branch): (usize, &WholeBranch),
     others: &[SideBranch],
     system: &System,
-    name: &str,
-) -> Vec<SpecialRow> {
-    let [first, last] = branch
-        .stops
-        .each_ref()
-        .map(|stop| EndDescription::of(stop, system, name));
-    let special = branch.special.iter().enumerate().map(|(k, at)| SpecialRow {
-        branches: begins(others, k),
-        ..SpecialRow::of(at, system)
-    });
-    let rows = first.row(0).into_iter().chain(special);
-    let rows = rows.chain(last.row(branch.points.len()));
-    rows.map(|row| SpecialRow {
-        branch: number,
-        ..row
-    })
-    .collect()
+) -> Vec<NumberedRow> {
+    let rows = branch.special_rows(system);
+    // The first row may be an end of the branch.
+    let first = usize::from(branch.ends()[0].bifurcation.is_some());
+    let rows = rows.into_iter().enumerate();
+    rows.map(|(k, row)| (number, begins(others, k.checked_sub(first)), row))
+        .collect()
 }
 
 /// The numbers of the branches that begin at a special orbit.
-fn begins(others: &[SideBranch], at: usize) -> String {
-    let numbered = (1..).zip(others).filter(|(_, other)| other.from == at);
+fn begins(others: &[SideBranch], at: Option<usize>) -> String {
+    let numbered = (1..)
+        .zip(others)
+        .filter(|(_, other)| Some(other.from) == at);
     let numbers = numbered.map(|(number, _)| i32::to_string(&number));
     numbers.collect::<Vec<String>>().join(" ")
 }

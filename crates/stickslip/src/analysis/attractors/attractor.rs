@@ -9,6 +9,7 @@ use crate::orbit::TwoFold;
 
 /// What an orbit converges to, or how else it ends.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttractorKind {
     /// An equilibrium of slip, or of the sliding field in stick, that attracts all nearby states of
     /// its set.
@@ -38,26 +39,52 @@ pub enum AttractorKind {
     Undecided,
 }
 
+impl AttractorKind {
+    /// The kind in a word, for tables.
+    pub fn word(&self) -> &'static str {
+        match self {
+            AttractorKind::Equilibrium => "equilibrium",
+            AttractorKind::EquilibriumSet => "set of equilibria",
+            AttractorKind::Periodic { .. } => "periodic",
+            AttractorKind::Recurrent => "recurrent",
+            AttractorKind::Escape => "escape",
+            AttractorKind::Repelling => "end where the boundary repels",
+            AttractorKind::TwoFold(_) => "end at a two-fold",
+            AttractorKind::Failure(_) => "failure",
+            AttractorKind::Undecided => "undecided",
+        }
+    }
+
+    /// Whether it is an attractor. Orbits that escape, end, fail or are undecided have reached
+    /// none.
+    pub fn is_attractor(&self) -> bool {
+        matches!(
+            self,
+            AttractorKind::Equilibrium
+                | AttractorKind::EquilibriumSet
+                | AttractorKind::Periodic { .. }
+                | AttractorKind::Recurrent
+        )
+    }
+}
+
 impl fmt::Display for AttractorKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())?;
         match self {
-            AttractorKind::Equilibrium => f.write_str("equilibrium"),
-            AttractorKind::EquilibriumSet => f.write_str("set of equilibria"),
             AttractorKind::Periodic { returns, period } => {
-                write!(f, "periodic, {returns} returns, period {period}")
+                write!(f, ", {returns} returns, period {period}")
             }
-            AttractorKind::Recurrent => f.write_str("recurrent, not periodic"),
-            AttractorKind::Escape => f.write_str("escape"),
-            AttractorKind::Repelling => f.write_str("end where the boundary repels"),
-            AttractorKind::TwoFold(_) => f.write_str("end at a two-fold"),
-            AttractorKind::Failure(error) => write!(f, "failure: {error}"),
-            AttractorKind::Undecided => f.write_str("undecided"),
+            AttractorKind::Recurrent => f.write_str(", not periodic"),
+            AttractorKind::Failure(error) => write!(f, ": {error}"),
+            _ => Ok(()),
         }
     }
 }
 
 /// What an orbit converges to or how else it ends, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attractor {
     /// The kind of motion.
     pub kind: AttractorKind,

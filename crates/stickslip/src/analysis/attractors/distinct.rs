@@ -125,8 +125,8 @@ impl<'a> Attractors<'a> {
             (AttractorKind::Recurrent, AttractorKind::Recurrent) => {
                 is_same_set(&one.points, &other.points)
             }
-            (AttractorKind::TwoFold(one), AttractorKind::TwoFold(other)) => one == other,
-            (AttractorKind::Escape, AttractorKind::Escape)
+            (AttractorKind::TwoFold(_), AttractorKind::TwoFold(_))
+            | (AttractorKind::Escape, AttractorKind::Escape)
             | (AttractorKind::Repelling, AttractorKind::Repelling)
             | (AttractorKind::Failure(_), AttractorKind::Failure(_))
             | (AttractorKind::Undecided, AttractorKind::Undecided) => true,

@@ -3,6 +3,8 @@
 
 mod change;
 
+use std::fmt;
+
 use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
 use super::continuation::CycleBifurcation;
 use super::cycle::SequenceChange;
@@ -131,6 +133,23 @@ pub enum WhatChanges {
     Unlocated,
 }
 
+impl fmt::Display for WhatChanges {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            WhatChanges::Sequence(change) => change.bifurcation.fmt(f),
+            WhatChanges::Multiplier { what, .. } => what.fmt(f),
+            WhatChanges::Equilibrium { frequency, .. } if *frequency > 0.0 => {
+                f.write_str("Hopf bifurcation of the equilibrium")
+            }
+            WhatChanges::Equilibrium { .. } => f.write_str("zero eigenvalue of the equilibrium"),
+            WhatChanges::BoundaryEquilibrium { .. } => {
+                f.write_str("boundary-equilibrium bifurcation")
+            }
+            WhatChanges::Unlocated => f.write_str("not located"),
+        }
+    }
+}
+
 impl WhatChanges {
     /// The parameter; `None` where it could not be located.
     pub fn parameter(&self) -> Option<f64> {
@@ -139,6 +158,35 @@ impl WhatChanges {
             WhatChanges::Equilibrium { parameter, .. }
             | WhatChanges::BoundaryEquilibrium { parameter, .. }
             | WhatChanges::Multiplier { parameter, .. } => Some(*parameter),
+            WhatChanges::Unlocated => None,
+        }
+    }
+
+    /// The uncertainty of the parameter, where it is known.
+    pub fn uncertainty(&self) -> Option<f64> {
+        match self {
+            WhatChanges::Sequence(SequenceChange { uncertainty, .. })
+            | WhatChanges::Multiplier { uncertainty, .. } => Some(*uncertainty),
+            _ => None,
+        }
+    }
+
+    /// The period of the orbit, if it is one.
+    pub fn period(&self) -> Option<f64> {
+        match self {
+            WhatChanges::Sequence(SequenceChange { period, .. })
+            | WhatChanges::Multiplier { period, .. } => Some(*period),
+            _ => None,
+        }
+    }
+
+    /// The state; `None` where it could not be located.
+    pub fn state(&self) -> Option<&Vector> {
+        match self {
+            WhatChanges::Sequence(SequenceChange { x, .. })
+            | WhatChanges::Equilibrium { x, .. }
+            | WhatChanges::BoundaryEquilibrium { x, .. }
+            | WhatChanges::Multiplier { x, .. } => Some(x),
             WhatChanges::Unlocated => None,
         }
     }
@@ -297,8 +345,9 @@ pub fn locate_changes<Kind>(
     Ok(AttractorChange::merged(of_pairs))
 }
 
-/// The state from which the next parameter's run begins; none after an escape or a failure.
-fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> Option<&'r Vector> {
+/// The state from which a run at the next value of the parameter begins, as in [`sweep`]; `None`
+/// after an escape, a failure, or an end where the future is not unique.
+pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> Option<&'r Vector> {
     match reached.kind {
         AttractorKind::Escape
         | AttractorKind::Failure(_)

@@ -13,6 +13,7 @@ const END_GROWTH: f64 = 30.0;
 
 /// One Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Exponent {
     /// An exponential rate of growth.
     Finite {
