@@ -267,8 +267,8 @@ impl<F: Flow<N> + ?Sized, const N: usize, const G: usize> Functions<N, G> for Of
     }
 }
 
-/// A flow of interpreted functions. These take longer than a call, so that each is compiled once for
-/// each type of number and not wherever it is used.
+/// A flow of interpreted functions. These take longer than a call, so that each is compiled once
+/// for each type of number and not wherever it is used.
 pub(crate) struct Called<'f, F>(pub &'f F);
 
 impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
@@ -301,9 +301,9 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
     }
 }
 
-/// The flow of one contact in a mode. A slip ends where the boundary function reaches zero, guard 0.
-/// Stick, which is sliding on Σ, ends where either field stops pushing towards Σ: guard 0 is the
-/// normal component of the field below, guard 1 minus that of the field above.
+/// The flow of one contact in a mode. A slip ends where the boundary function, guard 0, reaches
+/// zero. Stick, which is sliding on Σ, ends where either field stops pushing towards Σ: guard 0 is
+/// the normal component of the field below, guard 1 minus that of the field above.
 ///
 /// The mode is a value and not a type, so that the solver is compiled once for all of them.
 pub(crate) struct OneContactFlow<'a, S> {
