@@ -204,10 +204,10 @@ where
             }
             return Ok(Some(OrbitProgress::Passage(self.view.passage(&passage))));
         }
-        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take()) {
-            if let Some(summary) = notify(&mut self.integration, &progress, *observer)? {
-                return Ok(Some(OrbitProgress::End(self.view.summary(&summary))));
-            }
+        if let (Some(observer), Some(progress)) = (&mut self.observer, self.unobserved.take())
+            && let Some(summary) = notify(&mut self.integration, &progress, *observer)?
+        {
+            return Ok(Some(OrbitProgress::End(self.view.summary(&summary))));
         }
         self.process_jumps()
     }
