@@ -113,9 +113,6 @@ def test_numpy_works_on_symbols():
         (lambda x: ss.System({x: 1}, contacts=["belt"]), "contacts must be made by ss.Contact"),
         (lambda x: ss.Jump("hit", when=x, set={"x": 1}), "'x' is no state"),
         (lambda x: ss.Jump("hit", when=x < 0), "with a direction"),
-        (lambda x: ss.Jump("hit", when=ss.parameter("p", 1), stop=True), "is constant"),
-        (lambda x: ss.Jump("hit", when=x), "sets no state"),
-        (lambda x: ss.Jump("hit", when=x, stop=True, count=2), "say the same"),
         (lambda x: x % 2, r"remainder .*ss.sawtooth\(name, period\).*ss.Jump\(name, when=x - 2"),
         (lambda x: 2 % x, "remainder .*ss.sawtooth"),
         (lambda x: x // 2, "floored quotient .*ss.discrete"),
@@ -152,6 +149,19 @@ def test_numpy_works_on_symbols():
 def test_misuse_says_what_to_write_instead(misuse, words):
     with pytest.raises(TypeError, match=words):
         misuse(ss.state("x"))
+
+
+@pytest.mark.parametrize(
+    "arguments, words",
+    [
+        ({"when": ss.parameter("p", 1), "stop": True}, "is constant"),
+        ({}, "sets no state"),
+        ({"stop": True, "count": 2}, "say the same"),
+    ],
+)
+def test_a_jump_that_cannot_work_is_refused_where_it_is_written(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        ss.Jump("hit", **{"when": ss.state("x"), **arguments})
 
 
 UFUNCS = sorted(
@@ -257,7 +267,7 @@ def test_one_contact_or_jump_needs_no_list_and_directions_are_words_or_signs():
     x, v = ss.states("x v")
     falling = ss.Jump("hit", when=x, direction=-1, set={v: -v})
     assert ss.System({x: v, v: -1}, jumps=falling).jumps == ("hit",)
-    assert falling.direction == ss.Jump("hit", when=x, direction="falling").direction
+    assert falling.direction == ss.Jump("hit", x, direction="falling", stop=True).direction
     assert ss.event(x, "rising") == ss.event(x, 2) and ss.event(x, "falling").direction == -1
     with pytest.raises(ValueError, match="direction = 'up'"):
         ss.event(x, "up")
