@@ -23,9 +23,8 @@ pub(crate) fn write(
     files: &[Artifact],
     option: &str,
 ) -> Result<Vec<PathBuf>, ProgramError> {
-    output::write_all(folder, files).map_err(|error| {
-        format!("{error}; check the disk, or choose another folder with {option}").into()
-    })
+    output::write_all(folder, files)
+        .map_err(|error| format!("{error}; check the disk, or choose another with {option}").into())
 }
 
 /// Prints a program's result or its error. `what` names the result if printing fails.

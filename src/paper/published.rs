@@ -102,7 +102,8 @@ impl Claim {
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, String> {
         if record.len() != 10 {
             let fields = record.len();
-            return Err(format!("a row has {fields} fields, but must have 10"));
+            let row = &record[0];
+            return Err(format!("row {row:?} has {fields} fields, but must have 10"));
         }
         let text = |column: usize| record[column].to_owned();
         let (id, published) = (&record[0], &record[3]);
@@ -123,7 +124,8 @@ impl Claim {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
-        let unknown = || format!("{id:?} is none of the claims in src/paper/claim_id.rs");
+        let list = "src/paper/claim_id.rs";
+        let unknown = || format!("{id:?} is none of the claims in {list}; add it there");
         Ok(Claim {
             id: ClaimId::named(id).ok_or_else(unknown)?,
             location: text(1),

@@ -69,8 +69,8 @@ impl InjectedDefects {
     };
 }
 
-/// The motion that Fig. 8's oscillator settles on from the listing's start, on Σ in a stick phase,
-/// with the defects `injected`, over the length of the listing's run.
+/// The motion on which Fig. 8's oscillator settles with the defects `injected`, over the length of
+/// the listing's run. The listing's start is on Σ, in a stick phase.
 ///
 /// # Errors
 /// The solver's; [`Error::NotFound`] if nothing repeats, or a stick phase begins in no zone or does

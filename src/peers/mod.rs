@@ -172,9 +172,8 @@ fn run(all: &MeasureArguments) -> Result<String, ProgramError> {
         chosen => chosen.to_vec(),
     };
     // Reported before the long computation.
-    for folder in [&all.folders.report_dir, &all.folders.figures_dir] {
-        terminal::write(folder, &[], OPTIONS)?;
-    }
+    terminal::write(&all.folders.report_dir, &[], REPORT_DIR)?;
+    terminal::write(&all.folders.figures_dir, &[], FIGURES_DIR)?;
     let start = |python: &PathBuf| PeerProcess::start(python, &all.scripts, &all.numbers);
     let mut peers = all.python.as_ref().map(start).transpose()?;
     let mut versions = Vec::new();
@@ -249,12 +248,12 @@ fn write(
         Artifact::text("bench.csv", table),
         Artifact::text("bench.txt", text),
     ];
-    let mut paths = terminal::write(&all.folders.report_dir, &tables, OPTIONS)?;
+    let mut paths = terminal::write(&all.folders.report_dir, &tables, REPORT_DIR)?;
     let picture = Artifact::text("bench.svg", svg);
     paths.extend(terminal::write(
         &all.folders.figures_dir,
         &[picture],
-        OPTIONS,
+        FIGURES_DIR,
     )?);
     // Some of the problems, or our solvers alone, do not make the whole table.
     if all.problems.is_empty() && all.python.is_some() {
@@ -275,7 +274,7 @@ fn redraw(folders: &Folders) -> Result<String, ProgramError> {
     let is_measured = |problem: &Problem| rows.iter().any(|row| row.problem == problem.name);
     let measured: Vec<Problem> = all.into_iter().filter(is_measured).collect();
     let picture = Artifact::text("bench.svg", draw::draw(&rows, &measured)?);
-    let mut paths = terminal::write(&folders.figures_dir, &[picture], OPTIONS)?;
+    let mut paths = terminal::write(&folders.figures_dir, &[picture], FIGURES_DIR)?;
     paths.extend(write_page(folders, &rows)?);
     Ok(output::listing(&paths))
 }
@@ -288,13 +287,16 @@ fn write_page(folders: &Folders, rows: &[Measurement]) -> Result<Vec<PathBuf>, P
         report::SECTION_MARKERS.replace_section(&text, &report::block(rows, OWN_SOLVER))
     });
     match new.filter(|_| folders.report_dir == Path::new(TABLES)) {
-        Some(new) => terminal::write(top, &[Artifact::text(SPEED_PAGE, new)], OPTIONS),
+        Some(new) => terminal::write(top, &[Artifact::text(SPEED_PAGE, new)], REPORT_DIR),
         None => Ok(Vec::new()),
     }
 }
 
-/// The options that choose the folders.
-const OPTIONS: &str = "--report-dir and --figures-dir";
+/// The option that chooses the folder of tables. The page of speeds is written only beside those of
+/// the project.
+const REPORT_DIR: &str = "--report-dir";
+/// The option that chooses the folder of the picture.
+const FIGURES_DIR: &str = "--figures-dir";
 const SPEED_PAGE: &str = "docs/speed.md";
 /// The project's folder of tables, and the default of `--report-dir`.
 const TABLES: &str = "report";

@@ -61,8 +61,7 @@ pub fn run(
     for folder in FOLDERS {
         terminal::write(&arguments.out_dir.join(folder), &[], OPTION)?;
     }
-    let ledger = Ledger::compute(tick);
-    let ledger = ledger.map_err(|error| format!("cannot make the ledger: {error}"))?;
+    let ledger = Ledger::compute(tick)?;
     let written = write(&ledger, &arguments.out_dir)?;
     let text = summary(&ledger) + &written;
     Ok((ledger, text))

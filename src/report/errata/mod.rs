@@ -79,7 +79,9 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         let cell = |k| row.get(k).unwrap_or_default().to_owned();
         let name = cell(0);
         let proof = proofs.remove(&*name);
-        let proof = proof.ok_or_else(|| format!("nothing proves misprint {name:?}"))?;
+        let proof = proof.ok_or_else(|| {
+            format!("data/errata.csv: nothing in src/report/errata proves {name:?}")
+        })?;
         let labels = cell(4);
         let label = |label| str::strip_suffix(label, ']')?.split_once(" [");
         let mut labels = labels.split(" | ").filter_map(label);
@@ -91,7 +93,7 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         if labels.next().is_some() || shown.iter().any(|one| one.what.is_empty()) {
             let values = shown.len();
             return Err(format!(
-                "{name:?} has not one label for each of its {values} values"
+                "data/errata.csv: {name:?} must have one label for each of its {values} values"
             ));
         }
         all.push(Erratum {

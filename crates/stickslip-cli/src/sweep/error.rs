@@ -45,8 +45,8 @@ pub enum SweepError {
         folder: PathBuf,
     },
     /// A manifest that cannot be read.
-    #[error("{} is no manifest of a sweep ({reason}); put the right one back, or choose another \
-        folder", path.display())]
+    #[error("{} cannot be read ({reason}); put the right one back, delete the folder, or choose \
+        another with --out", path.display())]
     BadManifest {
         /// The file.
         path: PathBuf,

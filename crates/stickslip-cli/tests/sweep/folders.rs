@@ -124,7 +124,7 @@ fn a_manifest_that_is_gone_or_damaged_is_reported() {
     let other_text = sound.replace("mu = 0.3", "mu = 0.4");
     let other_program = sound.replace("stickslip 0.", "stickslip 9.");
     for (text, wanted) in [
-        (&sound[..sound.len() / 2], "is no manifest"),
+        (&sound[..sound.len() / 2], "cannot be read"),
         ("{}", "it has no format"),
         (&other_format, "its format is 6, and this program reads 7"),
         (&other_text, "not the one that its hash is of"),

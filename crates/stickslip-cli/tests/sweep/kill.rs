@@ -73,7 +73,7 @@ fn killed_twenty_times_it_goes_on_to_the_same_bits() {
         for part in [0.5, 1.0] {
             let mut child = begin(folder.path());
             let killed_at = (part * drawn(&mut moment) * plan.blocks() as f64) as usize;
-            while blocks_in(folder.path()) < killed_at {
+            while blocks_in(folder.path()) < killed_at && child.try_wait().unwrap().is_none() {
                 sleep(Duration::from_millis(1));
             }
             sleep(Duration::from_millis(5).mul_f64(drawn(&mut moment)));

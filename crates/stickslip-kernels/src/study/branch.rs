@@ -105,7 +105,8 @@ impl<'a> Along<'a> {
     ) -> Result<EquilibriaOfBranch, Error> {
         let x = [x, &[self.value]].concat();
         let way = |upwards| continue_equilibrium(&self.dynamics, &*x, upwards, settings, options);
-        Ok(EquilibriaOfBranch::joined([way(false)?, way(true)?]))
+        let (down, up) = rayon::join(|| way(false), || way(true));
+        Ok(EquilibriaOfBranch::joined([down?, up?]))
     }
 
     /// A state of the orbit at a multiple of its period, where the time of the branch begins.

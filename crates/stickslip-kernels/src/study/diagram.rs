@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
     Attractor, AttractorChange, Exponent, SequenceChange, SweepPoint, WhatChanges, attractor,
-    attractor_of_many, carried_on, locate_changes,
+    attractor_of_many, carried_on, is_change, locate_changes,
 };
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
@@ -101,9 +101,17 @@ impl Diagram<'_> {
             reached: at.reached.clone(),
             exponent: None,
         });
-        let along = here.along(here.file.parameter(self.parameter)?)?;
+        if !is_change(&points[0].reached, &points[1].reached) {
+            return Ok(Vec::new());
+        }
         let (forcing, options) = (here.built.period, Options::tol(LOCATION_TOLERANCE));
-        let Ok(mut located) = locate_changes(&along, &points, forcing, &options) else {
+        // The parameter is one state more, which may be one too many.
+        let along = here.along(here.file.parameter(self.parameter)?).ok();
+        let located = along.and_then(|along| {
+            let located = locate_changes(&along, &points, forcing, &options);
+            located.ok()
+        });
+        let Some(mut located) = located else {
             let (between, what) = ((ends[0].value, ends[1].value), WhatChanges::Unlocated);
             return Ok(vec![AttractorChange { between, what }]);
         };

@@ -12,7 +12,7 @@ use stickslip_kernels::kernel::follow;
 use stickslip_kernels::study::{PeriodicSearch, SearchError, phases_of_period};
 
 use super::Start;
-use crate::errors::{Failure, computation};
+use crate::errors::{Failure, computation, words};
 use crate::fields::{Fields, complex};
 use crate::task::{ProgressKind, Report, computed};
 use crate::{Settings, System};
@@ -129,7 +129,8 @@ pub(crate) fn poincare_map<'py>(
     })?;
     let (found, raised) = outcome.partial(|error: Failure| match error {
         Failure::Run(error @ Error::NotFound { .. }) => {
-            let message = format!("{error}; give a larger `longest`, or another section");
+            let words = words(&error, compiled);
+            let message = format!("{words}; give a larger `longest`, or another section");
             computation("NotFound", &message, Some(&error))
         }
         error => error.raised(compiled),

@@ -26,7 +26,8 @@ pub use attractors::{
 };
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{
-    AttractorChange, SweepPoint, SweepSettings, WhatChanges, carried_on, locate_changes, sweep,
+    AttractorChange, SweepPoint, SweepSettings, WhatChanges, carried_on, is_change, locate_changes,
+    sweep,
 };
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, CycleBifurcation,

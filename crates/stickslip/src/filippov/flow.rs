@@ -267,8 +267,10 @@ impl<F: Flow<N> + ?Sized, const N: usize, const G: usize> Functions<N, G> for Of
     }
 }
 
-/// A flow of interpreted functions. These take longer than a call, so that each is compiled once
-/// for each type of number and not wherever it is used.
+/// A flow of interpreted functions, as work gets it from [`UseFlow::use_flow`]. The functions take
+/// longer than a call, so that each is compiled once for each type of number and not at each use.
+///
+/// [`UseFlow::use_flow`]: super::switched::UseFlow::use_flow
 pub(crate) struct Called<'f, F>(pub &'f F);
 
 impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {

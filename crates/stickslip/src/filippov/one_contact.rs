@@ -50,7 +50,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: Mode, contact: f64, user: U) -> U::Output {
-        user.with_flow(&OneContactFlow {
+        user.use_flow(&OneContactFlow {
             system: self,
             mode,
             contact,

@@ -182,11 +182,13 @@ pub struct StickingPoint<K, B, const N: usize, const G: usize> {
 /// Work with the flow of a mode.
 pub trait UseFlow<const N: usize> {
     type Output;
+
+    /// The work itself, which [`UseFlow::use_flow`] starts.
     fn with<F: Flow<N>>(self, flow: &F) -> Self::Output;
 
     /// Works with the flow or, where its functions are interpreted, by calls of it.
     #[inline(always)]
-    fn with_flow<F: Flow<N>>(self, flow: &F) -> Self::Output
+    fn use_flow<F: Flow<N>>(self, flow: &F) -> Self::Output
     where
         Self: Sized,
     {

@@ -29,8 +29,8 @@ const SAME_CLOSENESSES: f64 = 10.0;
 /// - on recurrent orbits, nearly all points lie within 5 % of their extent of one of the other's.
 ///
 /// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of their size.
-/// All escapes count as one attractor. So do all failures, all undecided orbits, and all ends where
-/// the future is not unique.
+/// All escapes count as one attractor. So do all failures, all undecided orbits, all ends where the
+/// boundary repels, and all ends at two-folds.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]

@@ -359,7 +359,9 @@ pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> 
     }
 }
 
-fn is_change(one: &Attractor, other: &Attractor) -> bool {
+/// Whether two attractors at neighbouring values differ in kind, in their phases, or in the mode of
+/// an equilibrium, so that [`locate_changes`] searches for a change between them.
+pub fn is_change(one: &Attractor, other: &Attractor) -> bool {
     match (&one.kind, &other.kind) {
         (AttractorKind::Periodic { .. }, AttractorKind::Periodic { .. }) => {
             !one.has_sequence_of(other)

@@ -73,7 +73,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], shared: bool, user: U) -> U::Output {
-        user.with_flow(&Joint::new(&self.0, &mode).with_shared_load(shared))
+        user.use_flow(&Joint::new(&self.0, &mode).with_shared_load(shared))
     }
 
     fn slip_field<T: Scalar>(&self, modes: [Mode; M], t: T, x: &[T; N]) -> Option<[T; N]> {
