@@ -17,15 +17,15 @@ pub(in crate::paper) fn pattern_begin(end: f64, periods: usize, forcing_period: 
 }
 
 /// A stick zone: an interval between two neighbouring tangent points in which the body can ride the
-/// belt. The values are the listing's `k`.
+/// belt. In this order their ends follow each other among the tangent points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Zone {
-    /// `[T2, T1]` of Eq. (24).
-    Upper = 0,
-    /// `[T4, T3]`.
-    Middle = 2,
-    /// `[T6, T5]`.
-    Lower = 4,
+    /// `[T2, T1]` of Eq. (24), the listing's `k = 0`.
+    Upper,
+    /// `[T4, T3]`, the listing's `k = 2`.
+    Middle,
+    /// `[T6, T5]`, the listing's `k = 4`.
+    Lower,
 }
 
 /// An end of a stick zone.
@@ -55,7 +55,7 @@ impl Zone {
 /// [`Zone::holding`] may round differently. The listing's `k` is then −1, and `T[-1]` is the last
 /// tangent point. Its neighbour `T[k+1]`, read only with the mended exit test, is the first.
 pub(super) fn ends(zone: Option<Zone>, tangent_points: &[f64; 6]) -> (f64, f64) {
-    let (upper, lower) = zone.map_or((5, 0), |zone| (zone as usize, zone as usize + 1));
+    let (upper, lower) = zone.map_or((5, 0), |zone| (2 * zone as usize, 2 * zone as usize + 1));
     (tangent_points[upper], tangent_points[lower])
 }
 
