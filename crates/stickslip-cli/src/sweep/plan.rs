@@ -113,8 +113,8 @@ impl Plan {
             Some(format) if format == u64::from(FORMAT_VERSION) => {}
             Some(format) => {
                 return Err(bad(format!(
-                    "another version of the program wrote it: its format is {format}, and this one reads \
-                     {FORMAT_VERSION}"
+                    "another version of the program wrote it: its format is {format}, and this \
+                     one reads {FORMAT_VERSION}"
                 )));
             }
             None => return Err(bad("it has no format".to_owned())),
