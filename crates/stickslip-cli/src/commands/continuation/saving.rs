@@ -35,7 +35,7 @@ pub(super) fn saved_or_computed<T: Serialize + DeserializeOwned>(
         return Ok(result);
     }
     let result = compute()?;
-    // The end of a branch that the solver refuses to follow cannot be written to a file.
+    // A branch whose end the solver refuses to follow is not written: a resumed run computes it.
     if let Ok(content) = to_content(&(by, &result)) {
         writer.put(block, &content)?;
     }

@@ -233,7 +233,7 @@ pub enum Stop {
     /// next to it.
     SequenceEnds,
     /// Behind the last orbit the solver cannot follow the friction law, as where static friction is
-    /// below kinetic friction. It cannot be written to a file.
+    /// below kinetic friction. It is not written to files.
     #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),
     /// No further orbit could be computed within the shortest step behind the last one.
