@@ -73,8 +73,8 @@ pub(crate) fn spinner(message: String) -> ProgressBar {
 
 /// A progress bar with a count, shown only in a terminal. `text` is an indicatif template.
 #[cfg(feature = "report")]
-pub(crate) fn bar(done: usize, total: usize, text: &str) -> ProgressBar {
-    let bar = ProgressBar::new(total as u64).with_position(done as u64);
+pub(crate) fn bar(total: usize, text: &str) -> ProgressBar {
+    let bar = ProgressBar::new(total as u64);
     match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}}{text}")) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,

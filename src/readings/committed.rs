@@ -55,6 +55,34 @@ pub struct CommittedSearch {
     pub confirmed_statements: ConfirmedStatements,
 }
 
+/// The rows of the committed search.
+///
+/// # Errors
+/// As [`CommittedSearch::read`].
+pub fn committed_rows() -> Result<Vec<ConfigurationRow>, String> {
+    complete_rows(TABLE, &Plan::full()?)
+}
+
+/// The rows of a table, if they are those of the search.
+fn complete_rows(table: &str, plan: &Plan) -> Result<Vec<ConfigurationRow>, String> {
+    let rows: Vec<ConfigurationRow> = table.lines().filter_map(ConfigurationRow::parse).collect();
+    let keys = plan.groups.iter().flat_map(|group| {
+        let settings = plan.settings_of(group);
+        settings.into_iter().map(|one| plan::key(group, &one))
+    });
+    let expected: Vec<[String; 4]> = keys.collect();
+    let same = rows.iter().map(|row| &row.key).eq(&expected);
+    match same && table.starts_with(&plan.heading()) {
+        true => Ok(rows),
+        false => Err(format!(
+            "{FILE} is not the table of the full search: {} of {} configurations can be read, or \
+             they were made with other settings; make it with `make readings`",
+            rows.len(),
+            expected.len()
+        )),
+    }
+}
+
 /// A row with its three motions in words, and with the time of an escape.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Match {
@@ -76,21 +104,7 @@ impl CommittedSearch {
     fn of(table: &str) -> Result<CommittedSearch, String> {
         let plan = Plan::full()?;
         let (published, target) = (&plan.published, &plan.target);
-        let rows: Vec<ConfigurationRow> =
-            table.lines().filter_map(ConfigurationRow::parse).collect();
-        let groups = plan.groups.iter();
-        let expected: Vec<[String; 4]> = groups.flat_map(|one| plan::keys(&plan, one)).collect();
-        let same = rows.iter().map(|row| &row.key).eq(&expected);
-        let incomplete = || {
-            let (actual, expected) = (rows.len(), expected.len());
-            format!(
-                "{FILE} is not the table of the full search: {actual} of {expected} configurations \
-                 can be read, or they were made with other settings; make it with `make readings`"
-            )
-        };
-        if !(same && table.starts_with(&plan.heading())) {
-            return Err(incomplete());
-        }
+        let rows = complete_rows(table, &plan)?;
         let RowsByRole {
             search,
             kept,
@@ -99,7 +113,8 @@ impl CommittedSearch {
             recommended,
         } = RowsByRole::of(&rows);
         let agreeing = for_each_exponent(|exponent| count_matching(&kept, exponent, published));
-        let levels = single_figure_levels(&search, target, plan.draws).ok_or_else(incomplete)?;
+        let levels = single_figure_levels(&search, target, plan.draws);
+        let levels = levels.ok_or_else(|| format!("{FILE} has no rows"))?;
         let digest = Sha256::digest(table.as_bytes());
         let by_random_targets = |(figure, k): (usize, usize)| {
             let rows = agreeing[figure][k];
@@ -139,35 +154,16 @@ impl CommittedSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::settings::{spread_settings, with_spread_unit};
-
-    /// Of the settings of the spread, one in so many is recomputed, starting with the first.
-    const EVERY: usize = 15;
+    use crate::readings::plan::SPREAD;
 
     #[test]
-    fn the_estimates_of_the_spread_are_what_the_program_computes_now() {
-        let kept: Vec<_> = spread_settings().into_iter().step_by(EVERY).collect();
-        assert_eq!(kept.len(), 2);
-        let plan = Plan {
-            search: Vec::new(),
-            spread: with_spread_unit(kept),
-            ..Plan::full().unwrap()
-        };
-        let recommended = plan
-            .groups
-            .iter()
-            .find(|group| !plan::keys(&plan, group).is_empty());
-        let rows = search::group_rows(recommended.unwrap(), &plan);
-        let lines: Vec<&str> = TABLE
-            .lines()
-            .filter(|line| line.starts_with("spread,"))
-            .collect();
-        let expected: Vec<&str> = lines.into_iter().step_by(EVERY).collect();
-        let actual: Vec<String> = rows
-            .iter()
-            .map(|row| row.line().trim_end().to_owned())
-            .collect();
-        assert_eq!(actual, expected);
+    fn a_row_recomputes_to_its_bits_and_a_row_of_no_search_is_refused() {
+        let rows = committed_rows().unwrap();
+        let mut row = rows.into_iter().find(|row| row.key[0] == SPREAD).unwrap();
+        let line = search::recomputed(&row).unwrap().line();
+        assert!(TABLE.contains(&line), "{line}");
+        row.key[2] = "by hand".into();
+        assert!(search::recomputed(&row).unwrap_err().contains("by hand"));
     }
 
     #[test]

@@ -14,15 +14,12 @@ mod scoring;
 mod search;
 mod settings;
 mod significance;
-mod store;
 mod summary;
 mod table;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Parser;
 use rayon::prelude::*;
@@ -30,48 +27,38 @@ use rayon::prelude::*;
 use crate::terminal::{self, ProgramError};
 use output::Artifact;
 
-pub use committed::{CommittedSearch, Match};
+pub use committed::{CommittedSearch, Match, committed_rows};
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
+pub use search::recomputed;
 pub use significance::{MatchLevel, Share};
-use store::{OPTION, Store, TABLE};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
 
-/// Name of the summary.
-const SUMMARY: &str = "readings.txt";
+/// The option that chooses the folder.
+const OPTION: &str = "--out";
 
 const ABOUT: &str = "Searches the ways to read the paper's Eq. (27)-(28) and the captions of Figs. \
     10-12 for the one that gives the twelve published Lyapunov exponents, and says how much such a \
     find is worth.";
 
 const AFTER: &str = "\
-Writes into the folder
+Writes into the folder, after some ten minutes
   readings.csv  every configuration tried: form of equations and captions, integrator, \
     settings of the estimator; classes,
                 sizes of the motions, exponents with their status, distance from the published ones
   readings.txt  the nearest to each figure and to all, chance level, spread of the \
     estimator; also printed
 
-A run that was stopped, or had no time left, goes on where it was when started again with the same \
-    folder. What is kept is
-whole readings x integrators, with all settings of the estimator: each takes about 5 to 30 s, \
-    the first, which has most settings,
-up to a minute. With --time-limit those begun are finished, so that the limit is overrun by as \
-    much, and however short it is
-one is begun. Complete files are the same bytes for any number of threads and interruptions.
+The files are the same bytes for any number of threads.
 
-Exit codes: 0 done or out of time, 1 a file cannot be read or written, 2 wrong command line.
-
-Examples:
-  readings --out readings
-  readings --out readings --time-limit 300
-  readings --quick --out quick --threads 1";
+Example:
+  readings --out golden";
 
 /// Arguments of the program.
 #[derive(Debug, Parser)]
 #[command(name = "readings", version, about = ABOUT, after_help = AFTER)]
-pub struct Arguments {
+struct Arguments {
     /// Folder for the files; made if it does not exist
     #[arg(
         long,
@@ -79,90 +66,46 @@ pub struct Arguments {
         default_value = "readings",
         visible_alias = "out-dir"
     )]
-    pub out: PathBuf,
-
-    /// Begin nothing new after so many seconds; what is begun, one thing at least, is finished and
-    /// takes about 5 to 30 s [default: no limit]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
-    pub time_limit: Option<Duration>,
-
-    /// Threads [default: one per core]
-    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-
-    /// Short series and a few configurations only, as a check of the program
-    #[arg(long)]
-    pub quick: bool,
-}
-
-fn seconds(text: &str) -> Result<Duration, String> {
-    text.parse::<f64>()
-        .ok()
-        .filter(|&value| value > 0.0)
-        .and_then(|value| Duration::try_from_secs_f64(value).ok())
-        .ok_or_else(|| "give a positive number of seconds, such as 300".into())
+    out: PathBuf,
 }
 
 /// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
-    terminal::finish("summary", run(&Arguments::parse()))
+    let arguments = Arguments::parse();
+    let found = Plan::full().map_err(ProgramError::from);
+    terminal::finish("summary", found.and_then(|plan| run(&plan, &arguments.out)))
 }
 
-/// Searches, writes the table as it grows, then the summary, and returns the summary.
+/// Searches, writes the table and the summary, and returns the summary.
 ///
 /// # Errors
-/// A file that cannot be read or written; threads that cannot be started.
-pub fn run(arguments: &Arguments) -> Result<String, ProgramError> {
-    let begin = Instant::now();
-    let limit = arguments.time_limit;
-    let late = || limit.is_some_and(|limit| begin.elapsed() >= limit);
-    let plan = match arguments.quick {
-        true => Plan::quick()?,
-        false => Plan::full()?,
-    };
-    let store = Store::open(&plan, &arguments.out)?;
+/// A folder or file that cannot be written.
+fn run(plan: &Plan, folder: &Path) -> Result<String, ProgramError> {
     // An unwritable folder is reported before the search.
-    store.write()?;
-    let pending = store.pending();
-    let total = plan.groups.len();
-    let done = total - pending.len();
-    let bar = terminal::bar(done, total, " readings x integrators, {elapsed}");
+    terminal::write(folder, &[], OPTION)?;
+    let bar = terminal::bar(plan.groups.len(), " readings x integrators, {elapsed}");
     bar.enable_steady_tick(Duration::from_secs(1));
-    let store = Mutex::new(store);
-    let begun = AtomicBool::new(false);
-    let work = || {
-        // One task at a time, so that short and long ones spread evenly.
-        pending.par_iter().with_max_len(1).try_for_each(|&i| {
-            // At least one task is done whatever the limit, so that repeated calls finish the
-            // search.
-            if begun.swap(true, Ordering::Relaxed) && late() {
-                return Ok(());
-            }
-            let rows = search::group_rows(&plan.groups[i], &plan);
-            // After a panic elsewhere the lock is poisoned, but the rows are still complete.
-            let added = store
-                .lock()
-                .unwrap_or_else(PoisonError::into_inner)
-                .add(i, rows);
+    // One group at a time, so that short and long ones spread evenly.
+    let rows = plan
+        .groups
+        .par_iter()
+        .with_max_len(1)
+        .flat_map_iter(|group| {
+            let rows = search::rows(plan, group, &plan.settings_of(group));
             bar.inc(1);
-            added
-        })
-    };
-    let threads = arguments.threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| {
-            format!("cannot start {threads} threads: {error}; give fewer with --threads")
-        })?;
-    let outcome = pool.install(work);
+            rows
+        });
+    let rows: Vec<ConfigurationRow> = rows.collect();
     bar.finish_and_clear();
-    outcome?;
-    let store = store.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let text = summary::summary(&plan, &store.rows());
-    terminal::write(&arguments.out, &[Artifact::text(SUMMARY, &text)], OPTION)?;
-    let folder = arguments.out.display();
-    Ok(text + &format!("\nwrote {TABLE} and {SUMMARY} into {folder}\n"))
+    let lines: String = rows.iter().map(ConfigurationRow::line).collect();
+    let table = plan.heading() + &ConfigurationRow::header() + &lines;
+    let text = summary::summary(plan, &rows);
+    let files = [
+        Artifact::text("readings.csv", table),
+        Artifact::text("readings.txt", &text),
+    ];
+    let written = terminal::write(folder, &files, OPTION)?;
+    Ok(text + &output::listing(&written))
 }
 
 #[cfg(test)]
@@ -182,13 +125,11 @@ mod tests {
     #[test]
     fn the_committed_search_is_complete_and_its_summary_follows_from_it() {
         let plan = Plan::full().unwrap();
-        let table = committed("golden/readings.csv");
-        assert!(table.starts_with(&plan.heading()), "run `make readings`");
-        let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join(TABLE), &table).unwrap();
-        let store = Store::open(&plan, folder.path()).unwrap();
-        assert_eq!(store.pending(), [0; 0], "run `make readings`");
-        let text = summary::summary(&plan, &store.rows());
+        let rows = committed_rows().unwrap();
+        for row in &rows {
+            assert_eq!(row.scores, scoring::scores(&row.exponents, &plan.target));
+        }
+        let text = summary::summary(&plan, &rows);
         assert!(
             text == committed("golden/readings.txt"),
             "run `make readings`"
@@ -196,10 +137,46 @@ mod tests {
     }
 
     #[test]
+    fn the_files_are_the_same_for_any_number_of_threads() {
+        let mut plan = Plan {
+            from: 300.0,
+            points: 3001,
+            draws: 50,
+            ..Plan::full().unwrap()
+        };
+        plan.groups.retain(|group| {
+            let integrators = [Integrator::Exact, Integrator::InPlace(1e-2)];
+            let readings = [Reading::exact(), Reading::as_printed()];
+            readings.contains(&group.reading) && integrators.contains(&group.integrator)
+        });
+        plan.search.truncate(2);
+        plan.spread.truncate(2);
+        let search = |threads: usize| {
+            let folder = tempfile::tempdir().unwrap();
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+            let said = pool.build().unwrap().install(|| run(&plan, folder.path()));
+            let said = said.unwrap();
+            assert!(said.contains("random targets") && said.contains("readings.csv"));
+            let read = |name| std::fs::read_to_string(folder.path().join(name)).unwrap();
+            ["readings.csv", "readings.txt"].map(read)
+        };
+        let [table, text] = search(1);
+        assert_eq!([table.clone(), text], search(2));
+        // Every row reads back, to the last bit.
+        let rows: Vec<&str> = table.lines().filter(|line| line.starts_with('s')).collect();
+        assert_eq!(rows.len(), 2 * 4 + 2);
+        for line in rows {
+            let row = ConfigurationRow::parse(line).unwrap();
+            assert_eq!(row.line().trim_end(), line);
+        }
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let refused = run(&plan, &file.path().join("sub")).unwrap_err();
+        assert!(refused.to_string().contains("with --out"), "{refused}");
+    }
+
+    #[test]
     fn the_in_place_scheme_never_makes_the_torus_of_fig_11() {
-        let table = committed("golden/readings.csv");
-        let rows: Vec<ConfigurationRow> =
-            table.lines().filter_map(ConfigurationRow::parse).collect();
+        let rows = committed_rows().unwrap();
         let of = |integrator: &str| {
             let recommended = plan::reading_name(&Reading::exact());
             let mut all = rows.iter();
@@ -218,9 +195,7 @@ mod tests {
 
     #[test]
     fn the_figures_use_the_nearest_setting_of_the_recommended_reading() {
-        let table = committed("golden/readings.csv");
-        let rows: Vec<ConfigurationRow> =
-            table.lines().filter_map(ConfigurationRow::parse).collect();
+        let rows = committed_rows().unwrap();
         let search: Vec<&ConfigurationRow> = RowsByRole::of(&rows)
             .search
             .into_iter()

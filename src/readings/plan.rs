@@ -2,9 +2,7 @@
 
 use std::fmt::Display;
 
-use super::settings::{
-    Setting, Unit, search_settings, settings, settings_name, spread_settings, with_spread_unit,
-};
+use super::settings::{Setting, search_settings, settings_name, spread_settings, with_spread_unit};
 use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::paper::claim_id::SpectrumFigure;
@@ -69,8 +67,6 @@ impl Group {
 /// The complete search.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// `full` or `quick`.
-    pub name: &'static str,
     /// Start of the series.
     pub from: f64,
     /// Points of the series, at intervals of 0.2.
@@ -104,8 +100,7 @@ pub const DIFFERENCE_CAP: f64 = 3.0;
 pub const ZERO_SIZE: f64 = 0.002;
 /// A set of smaller correlation dimension is a curve: for a torus, up to 1.1 is estimated.
 pub const CURVE_DIMENSION: f64 = 1.2;
-/// Version of the table. Increase it whenever the same settings give other rows: tables of other
-/// formats are refused.
+/// Version of the table. Increase it whenever the same settings give other rows.
 const FORMAT: u32 = 4;
 /// First line of every table.
 const MARKER: &str = "# stickslip readings";
@@ -121,7 +116,6 @@ impl Plan {
         integrators.extend([0.2, 0.1, 5e-2, 2e-2, 1e-2, 5e-3, 1e-3].map(Integrator::InPlace));
         let (published, target) = published()?;
         Ok(Plan {
-            name: "full",
             from: START,
             points: 45001,
             draws: 2000,
@@ -133,36 +127,8 @@ impl Plan {
         })
     }
 
-    /// A short series and a few configurations, for a check within seconds.
-    ///
-    /// # Errors
-    /// As [`Plan::full`].
-    pub fn quick() -> Result<Plan, String> {
-        let (published, target) = published()?;
-        Ok(Plan {
-            name: "quick",
-            from: 300.0,
-            points: 3001,
-            draws: 50,
-            groups: groups(
-                &[Reading::exact(), Reading::as_printed()],
-                &[Integrator::Exact, Integrator::InPlace(1e-2)],
-            ),
-            published,
-            target,
-            search: vec![
-                (Unit::Spread, settings(0.1, 40, 1, false)),
-                (Unit::Ranges, settings(0.2, 40, 3, true)),
-            ],
-            spread: with_spread_unit(vec![
-                settings(0.1, 40, 3, false),
-                settings(0.2, 80, 2, false),
-            ]),
-        })
-    }
-
     /// The settings of a group, with their part of the table.
-    pub fn settings_of(&self, group: &Group) -> Vec<(&'static str, Setting)> {
+    pub fn settings_of(&self, group: &Group) -> Vec<PartSetting> {
         let recommended = *group == Group::recommended();
         let search = self.search.iter().map(|one| (SEARCH, one.clone()));
         let spread = self.spread.iter().filter(|_| recommended);
@@ -176,9 +142,8 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The lines before the table: the settings that all rows share. A table with other lines is
-    /// not continued. What differs between rows is in the rows; `format` counts changes of the
-    /// code.
+    /// The lines before the table: the settings that all rows share. What differs between rows is in
+    /// the rows; `format` counts changes of the code.
     pub fn heading(&self) -> String {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = Caption::ALL.iter().map(|caption| {
@@ -188,7 +153,7 @@ impl Plan {
         let Criterion { same, resolution } = Criterion::default();
         let common: [(&str, &dyn Display); 16] = [
             ("format", &FORMAT),
-            ("search", &self.name),
+            ("search", &"full"),
             ("begin of the series", &self.from),
             ("points of the series", &self.points),
             ("time between points", &DT),
@@ -291,11 +256,11 @@ pub fn reading_name(reading: &Reading) -> String {
     format!("{x3}x3 {friction}T; amplitude {amplitude}; unloading {unloading}; {contact}; {order}")
 }
 
-/// The keys of a group's rows, in order.
-pub fn keys(plan: &Plan, group: &Group) -> Vec<[String; 4]> {
+/// Settings of the estimator, with their part of the table.
+pub type PartSetting = (&'static str, Setting);
+
+/// The key of a group's row.
+pub fn key(group: &Group, (part, settings): &PartSetting) -> [String; 4] {
     let (reading, integrator) = (reading_name(&group.reading), group.integrator.name());
-    let key = |(part, settings): (&str, Setting)| {
-        [part, &reading, &integrator, &settings_name(&settings)].map(str::to_owned)
-    };
-    plan.settings_of(group).into_iter().map(key).collect()
+    [part, &*reading, &integrator, &settings_name(settings)].map(str::to_owned)
 }

@@ -1,7 +1,7 @@
 //! Integration and estimation for each configuration.
 
 use super::orbit::{Outcome, follow};
-use super::plan::{self, Group, Plan};
+use super::plan::{self, Group, PartSetting, Plan};
 use super::scoring::scores;
 use super::settings::{Setting, Unit};
 use super::table::{self, ConfigurationRow, OrbitVerdict};
@@ -43,9 +43,23 @@ fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
     ))
 }
 
-/// All rows of a group. A figure's exponents are estimated only if they can count. Either the
-/// reading keeps all three motions, or this motion is of the published kind.
-pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
+/// A row of the committed table, computed anew: three orbits and a spectrum of each.
+///
+/// # Errors
+/// A message if the search has no such row.
+pub fn recomputed(row: &ConfigurationRow) -> Result<ConfigurationRow, String> {
+    let plan = Plan::full()?;
+    let wanted = || format!("the search has no row {}", row.key.join(", "));
+    let group = plan.groups.iter().find(|group| group.has(row));
+    let group = group.ok_or_else(wanted)?;
+    let mut settings = plan.settings_of(group);
+    settings.retain(|one| plan::key(group, one) == row.key);
+    rows(&plan, group, &settings).pop().ok_or_else(wanted)
+}
+
+/// The rows of a group under some settings. A figure's exponents are estimated only if they can
+/// count. Either the reading keeps all three motions, or this motion is of the published kind.
+pub fn rows(plan: &Plan, group: &Group, settings: &[PartSetting]) -> Vec<ConfigurationRow> {
     let outcomes = Caption::ALL.map(|caption| follow(group, &caption, plan));
     let classes = outcomes.each_ref().map(Outcome::verdict);
     let kept = classes.iter().all(|class| class.is_bounded());
@@ -60,24 +74,22 @@ pub fn group_rows(group: &Group, plan: &Plan) -> Vec<ConfigurationRow> {
             false => Err(table::READING_LOST),
         };
     }
-    let keys = plan::keys(plan, group).into_iter();
-    let configurations = keys.zip(plan.settings_of(group));
-    let row = |(key, (_, settings)): ([String; 4], (&str, Setting))| {
+    let row = |setting: &PartSetting| {
         let mut row = ConfigurationRow {
             classes,
             sizes,
-            ..ConfigurationRow::empty(key)
+            ..ConfigurationRow::empty(plan::key(group, setting))
         };
         for (figure, series) in series.iter().enumerate() {
             (row.exponents[figure], row.statuses[figure]) = match series {
-                Ok(series) => spectrum(series, &settings),
+                Ok(series) => spectrum(series, &setting.1),
                 Err(why) => none(why),
             };
         }
         row.scores = scores(&row.exponents, &plan.target);
         row
     };
-    configurations.map(row).collect()
+    settings.iter().map(row).collect()
 }
 
 /// The three motions of a row in words. The table does not have the time of an escape, so the orbit

@@ -42,7 +42,7 @@ pub struct Arguments {
 /// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let bar = terminal::bar(0, TICKS, " {elapsed}");
+    let bar = terminal::bar(TICKS, " {elapsed}");
     let outcome = run(&arguments, &|| bar.inc(1));
     bar.finish_and_clear();
     terminal::finish("summary", outcome.map(|(_, text)| text))
