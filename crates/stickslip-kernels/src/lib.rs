@@ -9,3 +9,4 @@ pub mod file;
 pub mod kernel;
 pub mod study;
 pub mod trace;
+pub mod text_table;

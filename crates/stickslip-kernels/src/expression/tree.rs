@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use stickslip::math;
+
 /// An expression, or a subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
@@ -20,8 +22,9 @@ pub enum ExpressionKind {
     Name(String),
     /// The negative of an expression.
     Negative(Box<Expression>),
-    /// Two expressions joined by an operator.
-    Binary(Binary, Box<Expression>, Box<Expression>),
+    /// A first operand, and operators of one precedence with the operands behind them, which group
+    /// to the left. They are a list, so that the depth of a tree does not grow with its terms.
+    Chain(Box<Expression>, Vec<(Binary, Expression)>),
     /// A function call.
     Call {
         /// Name of the function.
@@ -31,6 +34,21 @@ pub enum ExpressionKind {
         /// The arguments.
         arguments: Vec<Expression>,
     },
+}
+
+impl Expression {
+    /// The expressions of which this one is made directly.
+    pub fn operands(&self) -> Vec<&Expression> {
+        match &self.kind {
+            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+            ExpressionKind::Negative(inner) => vec![&**inner],
+            ExpressionKind::Chain(first, rest) => {
+                let rest = rest.iter().map(|(_, operand)| operand);
+                std::iter::once(&**first).chain(rest).collect()
+            }
+            ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
+        }
+    }
 }
 
 /// The operators between two expressions.
@@ -46,4 +64,17 @@ pub enum Binary {
     Quotient,
     /// `a ^ b`
     Power,
+}
+
+impl Binary {
+    /// Value of the operation.
+    pub fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Binary::Sum => a + b,
+            Binary::Difference => a - b,
+            Binary::Product => a * b,
+            Binary::Quotient => a / b,
+            Binary::Power => math::pow(a, b),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use stickslip::error::readable;
 use super::formula::{not_finite, where_operands};
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
-use super::{Formula, InputEntry, InputShape, SystemFile};
+use super::{Formula, InputEntry, InputShape, Named, SystemFile};
 use crate::expression::{
     Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
 };
@@ -76,6 +76,14 @@ impl<'a> Inputs<'a> {
     pub(super) fn paced(self, pace: Option<Id>) -> Self {
         Inputs { pace, ..self }
     }
+}
+
+/// Part of an expression: whether it is a number as written, and its position.
+pub(super) type Operand = (bool, Range<usize>);
+
+pub(super) fn of_operand(operand: &Expression) -> Operand {
+    let is_plain = matches!(operand.kind, ExpressionKind::Number(_));
+    (is_plain, operand.span.clone())
 }
 
 /// State of a named part.
@@ -169,12 +177,21 @@ impl<'a> Builder<'a> {
                 let inner = self.expression(formula, inner)?;
                 self.graph.negative(inner)
             }
-            ExpressionKind::Binary(operator, left, right) => {
-                let a = self.expression(formula, left)?;
-                let b = self.expression(formula, right)?;
-                let value = self.graph.binary(*operator, a, b);
-                let operands = [(&**left, a), (&**right, b)];
-                return value.map_err(|error| self.not_finite(error, formula, place, &operands));
+            ExpressionKind::Chain(first, rest) => {
+                let (mut id, start) = (self.expression(formula, first)?, first.span.start);
+                // The part so far, as an operand of the next.
+                let mut part = of_operand(first);
+                for (operator, operand) in rest {
+                    let next = self.expression(formula, operand)?;
+                    let value = self.graph.binary(*operator, id, next);
+                    let whole = start..operand.span.end;
+                    let operands = [(part, id), (of_operand(operand), next)];
+                    id = value.map_err(|error| {
+                        self.not_finite(error, formula, formula.at(&whole), &operands)
+                    })?;
+                    part = (false, whole);
+                }
+                return Ok(id);
             }
             ExpressionKind::Call {
                 function,
@@ -194,12 +211,11 @@ impl<'a> Builder<'a> {
         error: NotANumber,
         formula: &Formula,
         place: Range<usize>,
-        operands: &[(&Expression, Id)],
+        operands: &[(Operand, Id)],
     ) -> Problem {
-        let operands = operands.iter().filter_map(|&(operand, id)| {
-            let is_plain = matches!(operand.kind, ExpressionKind::Number(_));
-            let value = self.graph.value(id).filter(|_| !is_plain)?;
-            Some((formula.part(&operand.span), value))
+        let operands = operands.iter().filter_map(|((is_plain, span), id)| {
+            let value = self.graph.value(*id).filter(|_| !is_plain)?;
+            Some((formula.part(span), value))
         });
         let operands: Vec<(String, f64)> = operands.collect();
         let problem = no_number(error, place);
@@ -294,8 +310,9 @@ impl<'a> Builder<'a> {
         Ok(made)
     }
 
-    /// The period or phase of an input, which must be constant so that its clock runs uniformly.
-    fn of_input(&mut self, formula: &Formula, what: &str) -> BuildResult {
+    /// The period, phase or width of an input, which must be constant so that its clock runs
+    /// uniformly.
+    pub(super) fn of_input(&mut self, formula: &Formula, what: &str) -> BuildResult {
         let made = self.formula(formula)?;
         if self.graph.depends_on_time(made) {
             let message = format!("the {what} of an input cannot depend on time");
@@ -316,6 +333,11 @@ impl<'a> Builder<'a> {
                 formula.whole(),
             )
             .help("it is the time after which the input comes again")),
+            Some(width) if what == "width" && !(width > 0.0 && width < 1.0) => {
+                let message = format!("the width {} is not between 0 and 1", readable(width));
+                Err(Problem::new(message, formula.whole())
+                    .help("it is the part of the period in which the pulse is 1"))
+            }
             _ => Ok(made),
         }
     }
@@ -353,19 +375,35 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn definition(&mut self, number: usize) -> BuildResult {
-        let definition = &self.file.definitions[number];
-        match self.definitions[number] {
-            Progress::Done(id) => return Ok(id),
-            Progress::UnderWay => {
-                let message = format!("the definition of `{}` depends on itself", definition.name);
-                return Err(Problem::new(message, definition.formula.whole()));
+        // First those that it depends on, without recursion: there may be any number of them, one
+        // inside another.
+        let mut waiting = vec![(number, false)];
+        loop {
+            let last = waiting.len() - 1;
+            let (top, is_open) = waiting[last];
+            let Named { name, formula } = &self.file.definitions[top];
+            match self.definitions[top] {
+                Progress::Done(id) if last == 0 => return Ok(id),
+                Progress::Done(_) => waiting.truncate(last),
+                Progress::NotYet => {
+                    self.definitions[top] = Progress::UnderWay;
+                    waiting[last].1 = true;
+                    let meanings = names_in(&formula.tree).into_iter();
+                    let meanings = meanings.filter_map(|name| self.file.names.get(name));
+                    waiting.extend(meanings.filter_map(|meaning| match meaning {
+                        Meaning::Definition(other) => Some((other, false)),
+                        _ => None,
+                    }));
+                }
+                Progress::UnderWay if is_open => {
+                    self.definitions[top] = Progress::Done(self.formula(formula)?);
+                }
+                Progress::UnderWay => {
+                    let message = format!("the definition of `{name}` depends on itself");
+                    return Err(Problem::new(message, formula.whole()));
+                }
             }
-            Progress::NotYet => {}
         }
-        self.definitions[number] = Progress::UnderWay;
-        let id = self.formula(&definition.formula)?;
-        self.definitions[number] = Progress::Done(id);
-        Ok(id)
     }
 
     fn call(
@@ -410,7 +448,8 @@ impl<'a> Builder<'a> {
         };
         let id = self.expression(formula, argument)?;
         let value = self.graph.call(known, id);
-        value.map_err(|error| self.not_finite(error, formula, place, &[(argument, id)]))
+        let operands = [(of_operand(argument), id)];
+        value.map_err(|error| self.not_finite(error, formula, place, &operands))
     }
 
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -432,18 +471,35 @@ impl<'a> Builder<'a> {
         }
         let above = self.side(number, place.clone())?;
         let contact = &self.file.contacts[number];
-        let Some(slip) = &contact.friction else {
+        if contact.friction.is_none() {
             return Err(Problem::new(
                 format!("contact `{}` has no friction law", contact.name),
                 place,
             )
             .also(contact.place.clone(), "this contact")
             .help("write friction = \"…\" there: how large friction is in slip"));
+        }
+        let size = self.size(number)?;
+        let force = if above {
+            Ok(size)
+        } else {
+            self.graph.negative(size)
+        };
+        force.map_err(|error| no_number(error, place))
+    }
+
+    /// The size of the friction of a contact in this mode: its law, or zero if it has none or the
+    /// normal force is not positive.
+    pub(super) fn size(&mut self, number: usize) -> BuildResult {
+        let contact = &self.file.contacts[number];
+        let Some(slip) = &contact.friction else {
+            let zero = self.graph.constant(0.0);
+            return zero.map_err(|error| no_number(error, contact.place.clone()));
         };
         let is_held = matches!(self.scope, Scope::Sides(of) if of.held & 1 << number != 0);
         let law = contact.holding.as_ref().filter(|_| is_held).unwrap_or(slip);
-        let size = match self.frictions[number] {
-            Progress::Done(id) => id,
+        match self.frictions[number] {
+            Progress::Done(id) => return Ok(id),
             Progress::UnderWay => {
                 let message = format!(
                     "the friction of contact `{}` depends on itself",
@@ -451,24 +507,26 @@ impl<'a> Builder<'a> {
                 );
                 return Err(Problem::new(message, law.whole()));
             }
-            Progress::NotYet => {
-                self.frictions[number] = Progress::UnderWay;
-                let mut id = self.formula(law)?;
-                if let Some(force) = &contact.normal_force {
-                    let force = self.formula(force)?;
-                    let made = self.graph.where_positive(force, id);
-                    id = made.map_err(|error| no_number(error, law.whole()))?;
-                }
-                self.frictions[number] = Progress::Done(id);
-                id
-            }
-        };
-        let force = if above {
-            Ok(size)
-        } else {
-            self.graph.negative(size)
-        };
-        force.map_err(|error| no_number(error, place))
+            Progress::NotYet => self.frictions[number] = Progress::UnderWay,
+        }
+        let mut id = self.formula(law)?;
+        if let Some(value) = self.graph.value(id).filter(|value| *value < 0.0) {
+            let message = format!(
+                "the friction of contact `{}` is {}, but must not be negative",
+                contact.name,
+                readable(value)
+            );
+            return Err(Problem::new(message, law.whole()).help(
+                "it is a size, and acts against the slip; the sign of what it does stands in [field]",
+            ));
+        }
+        if let Some(force) = &contact.normal_force {
+            let force = self.formula(force)?;
+            let made = self.graph.where_positive(force, id);
+            id = made.map_err(|error| no_number(error, law.whole()))?;
+        }
+        self.frictions[number] = Progress::Done(id);
+        Ok(id)
     }
 
     fn by_side(
@@ -552,6 +610,19 @@ impl<'a> Builder<'a> {
             }),
         })
     }
+}
+
+/// The names in an expression.
+fn names_in(expression: &Expression) -> Vec<&str> {
+    let mut names = Vec::new();
+    let mut waiting = vec![expression];
+    while let Some(expression) = waiting.pop() {
+        match &expression.kind {
+            ExpressionKind::Name(name) => names.push(&**name),
+            _ => waiting.extend(expression.operands()),
+        }
+    }
+    names
 }
 
 fn wrong_count(function: &str, wanted: &str, found: usize, place: Range<usize>) -> Problem {
