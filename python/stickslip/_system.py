@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -19,6 +20,7 @@ from ._symbols import (
     Parameter,
     State,
     Switch,
+    Time,
     expression,
     number,
     written,
@@ -65,16 +67,47 @@ class System:
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
-        self._sections: dict[tuple[str, int], _core.System] = {}
+        self._sections: dict[tuple[Any, ...], _core.System] = {}
 
-    def _section(self, function: str, direction: int) -> _core.System:
+    def _section(self, function: Expression, direction: int) -> _core.System:
         """The same system with a section, stored for further runs."""
-        key = (function, direction)
+        key = (function.text, direction, function.parts)
         if key not in self._sections:
+            self._check_symbols(function)
             if len(self._sections) >= 64:
                 self._sections.clear()
-            self._sections[key] = self._core.with_section(*key)
+            self._sections[key] = self._core.with_section(function.text, direction)
         return self._sections[key]
+
+    def _check_symbols(self, formula: Expression) -> None:
+        """Rejects symbols that the system has with another value or as something else."""
+        for part in _parts([formula]):
+            if isinstance(part, Time) or (isinstance(part, State) and part.name in self.states):
+                continue
+            text = tomllib.loads(self._text)
+            if isinstance(part, Parameter):
+                # A system with another value of a parameter has the symbol of the original one.
+                first = System._of(self._origin, self._text, {}) if self._settings else self
+                both = (self.parameters, first.parameters)
+                mine, has = part.value, [one[part.name] for one in both if part.name in one]
+            else:
+                is_name = isinstance(part, State)
+                entry = 0.0 if is_name else _entry_of(part)
+                mine = tomllib.loads("\n".join(_table({"mine": entry})))["mine"]
+                keys = ["definitions", "inputs", "switches"] if is_name else [_KEYS[type(part)]]
+                has = [text[key][part.name] for key in keys if part.name in text.get(key, {})]
+            tables = [table for table in text.values() if isinstance(table, dict)]
+            if not has and any(part.name in table for table in tables):
+                raise ValueError(
+                    f"{part.name} is a {_kind(part)} in the formula {formula}, and something else "
+                    "in the system; give one of them another name"
+                )
+            # The engine reports names that the system does not have.
+            if has and not isinstance(part, State) and all(_plain(mine) != _plain(one) for one in has):
+                raise ValueError(
+                    f"{part.name} is {has[0]} in the system and {mine} in the formula {formula}: "
+                    "use the system's symbol, or give one of them another name"
+                )
 
     @classmethod
     def _of(cls, origin: str, text: str, settings: Mapping[str, float]) -> System:
@@ -269,8 +302,13 @@ def _table(entries: Mapping[str, Any]) -> list[str]:
             shown = "{ " + ", ".join(_table(value)) + " }"
         else:
             shown = _quoted(value)
-        lines.append(f"{key} = {shown}")
+        lines.append(f"{_key(key)} = {shown}")
     return lines
+
+
+def _key(name: str) -> str:
+    """A name as a key of TOML, where other letters than A to Z stand in quotes."""
+    return name if name.isascii() else _quoted(name)
 
 
 def _text(
@@ -285,10 +323,7 @@ def _text(
         raise TypeError("rates must be {state: rate, …} with a rate for each state")
     for state in rates:
         if not isinstance(state, State):
-            help = "made by ss.states"
-            if isinstance(state, tuple):
-                help += ", which returns a tuple: x, = ss.states('x'), or x = ss.state('x')"
-            raise TypeError(f"{state!r} is no state: the keys of rates are {help}")
+            raise TypeError(f"{state!r} is no state: the keys of rates are made by ss.states")
     field = {state.name: expression(rate) for state, rate in rates.items()}
     whole = None if period is None else expression(period)
 
@@ -302,7 +337,7 @@ def _text(
     unknown = [one for one in parts if isinstance(one, State) and one not in rates]
     if unknown:
         raise ValueError(f"the state {unknown[0].name} has no rate: add it to rates")
-    missing = [one for one in parts if isinstance(one, Contact) and one not in contacts]
+    missing = [one for one in parts if isinstance(one, Contact) and one not in set(contacts)]
     if missing:
         raise ValueError(f"the contact {missing[0].name} is not among contacts=[…]")
 
@@ -327,26 +362,19 @@ def _text(
         ("parameters", {one.name: _entry(one) for one in of(Parameter)}),
     ]
     for contact in contacts:
-        laws = {
-            "boundary": contact.boundary,
-            "friction": contact.law,
-            "static": contact.static,
-            "normal_force": contact.normal_force,
-        }
-        entries: dict[str, Any] = {key: law for key, law in laws.items() if law is not None}
-        tables.append((f"contacts.{contact.name}", entries))
-    tables += [(f"inputs.{one.name}", one.entries) for one in of(Input)]
-    tables += [(f"switches.{one.name}", {"function": one.function}) for one in of(Switch)]
+        tables.append((f"contacts.{_key(contact.name)}", _laws(contact)))
+    tables += [(f"inputs.{_key(one.name)}", one.entries) for one in of(Input)]
+    tables += [(f"switches.{_key(one.name)}", {"function": one.function}) for one in of(Switch)]
     for jump in jumps:
         entries = dict[str, Any](when=jump.when, direction=jump.direction)
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
             entries["count"] = jump.count
-        tables.append((f"jumps.{jump.name}", entries))
+        tables.append((f"jumps.{_key(jump.name)}", entries))
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}
-            tables.append((f"jumps.{jump.name}.set", values))
+            tables.append((f"jumps.{_key(jump.name)}.set", values))
     tables.append(("field", field))
     tables.append(("start", starts))
     tables.append(("time", {} if whole is None else {"period": whole}))
@@ -425,14 +453,48 @@ def _parts(formulas: Iterable[Expression]) -> set[Any]:
     return set(found.values())
 
 
+#: The tables of a text in which symbols have their entries.
+_KEYS = {DiscreteState: "discrete", Switch: "switches", Contact: "contacts", Input: "inputs"}
+
+
+def _entry_of(part: Any) -> Any:
+    """What a text says of a symbol."""
+    if isinstance(part, DiscreteState):
+        return part.start
+    if isinstance(part, Switch):
+        return {"function": part.function}
+    return _laws(part) if isinstance(part, Contact) else part.entries
+
+
+def _plain(entry: Any) -> Any:
+    """An entry of a text, in which numbers and spaces may be written in several ways."""
+    if isinstance(entry, dict):
+        return {"between": "linear"} | {key: _plain(value) for key, value in entry.items()}
+    if isinstance(entry, list):
+        return [_plain(one) for one in entry]
+    try:
+        return float(entry)
+    except ValueError:
+        return "".join(entry.split())
+
+
 def _kind(part: Any) -> str:
     return "discrete state" if isinstance(part, DiscreteState) else type(part).__name__.lower()
 
 
+def _laws(contact: Contact) -> dict[str, Expression]:
+    laws = {
+        "boundary": contact.boundary,
+        "friction": contact.law,
+        "static": contact.static,
+        "normal_force": contact.normal_force,
+    }
+    return {key: law for key, law in laws.items() if law is not None}
+
+
 def _inner(part: Any) -> list[Expression]:
     if isinstance(part, Contact):
-        laws = [part.boundary, part.law, part.static, part.normal_force]
-        return [law for law in laws if law is not None]
+        return list(_laws(part).values())
     if isinstance(part, Switch):
         return [part.function]
     if isinstance(part, DiscreteState):

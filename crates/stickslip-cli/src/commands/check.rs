@@ -279,7 +279,10 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
                 };
                 let (of_phase, of_width) = (suffix("phase", phase), suffix("width", width));
                 (
-                    format!("{name}: {shape} of period {}{of_width}{of_phase}", period.text),
+                    format!(
+                        "{name}: {shape} of period {}{of_width}{of_phase}",
+                        period.text
+                    ),
                     json!({
                         "name": name,
                         "shape": shape,
@@ -304,11 +307,7 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
 }
 
 /// Side of a boundary on which the start lies, and the value of the boundary function there.
-fn whereabouts(
-    system: &System,
-    contact: usize,
-    (t, x): (f64, &[f64]),
-) -> (&'static str, f64) {
+fn whereabouts(system: &System, contact: usize, (t, x): (f64, &[f64])) -> (&'static str, f64) {
     let height = system.boundary(contact, t, x);
     let side = match height {
         height if height < 0.0 => "below",

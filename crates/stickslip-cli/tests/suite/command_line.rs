@@ -1223,10 +1223,10 @@ x = ""
 v = ""
 [contacts.belt]
 boundary = "v - 0.2"
-friction = "-0.3"
+friction = "0.3"
 [field]
 x = "v"
-v = "-x - friction(belt)"
+v = "-x + friction(belt)"
 [start]
 x = 0
 v = 0.2

@@ -299,7 +299,8 @@ fn switching(
                 InputShape::Periodic {
                     width: Some(width), ..
                 } => {
-                    let width = Builder::new(file, inputs, graph, scope).of_input(width, "width")?;
+                    let width =
+                        Builder::new(file, inputs, graph, scope).of_input(width, "width")?;
                     match graph.value(width) {
                         Some(width) => Shape::Repeated(pulse(width).to_vec()),
                         None => Shape::Pulse(tape(file, graph, &[width], inputs)?),
@@ -349,9 +350,14 @@ pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> O
     let (mut graph, inputs) = (Graph::new(), Inputs::fixed(values));
     let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides(of));
     let contacts = 0..file.contacts.len();
-    let sizes: Vec<Id> = contacts.map(|contact| builder.size(contact)).collect::<Result<_, _>>().ok()?;
+    let sizes: Vec<Id> = contacts
+        .map(|contact| builder.size(contact))
+        .collect::<Result<_, _>>()
+        .ok()?;
     let varies = sizes.iter().any(|&size| graph.value(size).is_none());
-    varies.then(|| tape(file, &graph, &sizes, inputs).ok()).flatten()
+    varies
+        .then(|| tape(file, &graph, &sizes, inputs).ok())
+        .flatten()
 }
 
 /// The tape of the field of one combination, and whether it depends on time.

@@ -102,10 +102,17 @@ impl Problem {
         if line.len() <= MOST_LINE_BYTES {
             return None;
         }
-        let (before, from) = (&before[start..], &text[self.place.start..start + line.len()]);
+        let (before, from) = (
+            &before[start..],
+            &text[self.place.start..start + line.len()],
+        );
         let column = before.chars().count();
         let skipped = column.saturating_sub(SHOWN_BEFORE);
-        let shown: String = before.chars().skip(skipped).chain(from.chars().take(SHOWN_FROM)).collect();
+        let shown: String = before
+            .chars()
+            .skip(skipped)
+            .chain(from.chars().take(SHOWN_FROM))
+            .collect();
         let help = self.help.iter().map(|help| format!("\n  = help: {help}"));
         let number = 1 + text[..start].matches('\n').count();
         Some(format!(

@@ -115,7 +115,11 @@ impl Input {
         let (part, fall) = (reading.value() - reading.value().floor(), width.value());
         // Not halfway between two kinks, where an orbit may well begin.
         let is_near_fall = part > 0.382 * fall && part < fall + 0.618 * (1.0 - fall);
-        if is_near_fall { reading - width } else { reading }
+        if is_near_fall {
+            reading - width
+        } else {
+            reading
+        }
     }
 
     /// The numbers held from a time on.
