@@ -359,33 +359,24 @@ def _call(name: str, *of: Any) -> Expression:
 class Symbol(Expression):
     """A name in formulas."""
 
-    __slots__ = ("name", "_key")
+    __slots__ = ("name",)
 
     def __init__(self, name: str) -> None:
-        self.name = self.text = check_name(name)
-        self._binds = _ATOM
-        self._key: tuple[Any, ...] | None = None
-
-    @property
-    def parts(self) -> frozenset[Any]:  # type: ignore[override]
-        return frozenset([self])
+        self.name = check_name(name)
+        super().__init__(self.name, _ATOM, frozenset([self]))
 
     def __reduce__(self) -> Any:
         return type(self), (self.name,)
 
-    def _identity(self) -> tuple[Any, ...]:
-        if self._key is None:
-            self._key = type(self), repr(self.__reduce__()[1])
-        return self._key
-
     def __eq__(self, other: object) -> bool:
-        # Symbols with the same name but other values are different, so that a system rejects them.
-        # Sets and dicts compare only those with the same hash, which are equal.
-        is_same = isinstance(other, Symbol) and self._identity() == other._identity()
-        return is_same or super().__eq__(other)
+        # Sets and dicts compare those with the same hash. Symbols with the same name but other
+        # values are different, so that a system rejects them.
+        if type(other) is type(self) and hash(other) == hash(self):
+            return repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
+        return super().__eq__(other)
 
     def __hash__(self) -> int:
-        return hash(self._identity())
+        return hash((type(self), self.name))
 
 
 def check_name(name: str) -> str:
