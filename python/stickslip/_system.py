@@ -20,7 +20,6 @@ from ._symbols import (
     Parameter,
     State,
     Switch,
-    Time,
     expression,
     number,
     written,
@@ -81,32 +80,34 @@ class System:
 
     def _check_symbols(self, formula: Expression) -> None:
         """Rejects symbols that the system has with another value or as something else."""
-        for part in _parts([formula]):
-            if isinstance(part, Time) or (isinstance(part, State) and part.name in self.states):
+        parts = _parts([formula])
+        if any(isinstance(one, Contact) for one in parts):
+            # The engine rejects sides.
+            return
+        rates: dict[State, Any] = {one: 0.0 for one in parts if isinstance(one, State)}
+        mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), ()), None, None, ""))
+        text = tomllib.loads(self._text)
+        kinds = ["definitions", "switches", "inputs", "parameters", "discrete", "states"]
+        known = {name: kind for kind in kinds for name in text.get(kind, {})}
+        for kind, name in [(kind, name) for kind in kinds for name in mine.get(kind, {})]:
+            there = known.get(name, kind)
+            if there != kind and (kind != "states" or there == "parameters"):
+                raise ValueError(
+                    f"{name} is among the {there} of the system, and among the {kind} of the "
+                    f"formula {formula}: give one of them another name"
+                )
+            if kind == "states" or name not in known:
                 continue
-            text = tomllib.loads(self._text)
-            if isinstance(part, Parameter):
+            one, other = mine[kind][name], text[kind][name]
+            if kind == "parameters":
                 # A system with another value of a parameter has the symbol of the original one.
                 first = System._of(self._origin, self._text, {}) if self._settings else self
-                both = (self.parameters, first.parameters)
-                mine, has = part.value, [one[part.name] for one in both if part.name in one]
-            else:
-                is_name = isinstance(part, State)
-                entry = 0.0 if is_name else _entry_of(part)
-                mine = tomllib.loads("\n".join(_table({"mine": entry})))["mine"]
-                keys = ["definitions", "inputs", "switches"] if is_name else [_KEYS[type(part)]]
-                has = [text[key][part.name] for key in keys if part.name in text.get(key, {})]
-            tables = [table for table in text.values() if isinstance(table, dict)]
-            if not has and any(part.name in table for table in tables):
+                other, one = self.parameters[name], one["value"] if isinstance(one, dict) else one
+                other = one if one == first.parameters[name] else other
+            if _plain(one) != _plain(other):
                 raise ValueError(
-                    f"{part.name} is a {_kind(part)} in the formula {formula}, and something else "
-                    "in the system; give one of them another name"
-                )
-            # The engine reports names that the system does not have.
-            if has and not isinstance(part, State) and all(_plain(mine) != _plain(one) for one in has):
-                raise ValueError(
-                    f"{part.name} is {has[0]} in the system and {mine} in the formula {formula}: "
-                    "use the system's symbol, or give one of them another name"
+                    f"{name} is {other} in the system and {one} in the formula {formula}: use the "
+                    "system's symbol, or give one of them another name"
                 )
 
     @classmethod
@@ -362,7 +363,14 @@ def _text(
         ("parameters", {one.name: _entry(one) for one in of(Parameter)}),
     ]
     for contact in contacts:
-        tables.append((f"contacts.{_key(contact.name)}", _laws(contact)))
+        laws = {
+            "boundary": contact.boundary,
+            "friction": contact.law,
+            "static": contact.static,
+            "normal_force": contact.normal_force,
+        }
+        entries: dict[str, Any] = {key: law for key, law in laws.items() if law is not None}
+        tables.append((f"contacts.{_key(contact.name)}", entries))
     tables += [(f"inputs.{_key(one.name)}", one.entries) for one in of(Input)]
     tables += [(f"switches.{_key(one.name)}", {"function": one.function}) for one in of(Switch)]
     for jump in jumps:
@@ -453,19 +461,6 @@ def _parts(formulas: Iterable[Expression]) -> set[Any]:
     return set(found.values())
 
 
-#: The tables of a text in which symbols have their entries.
-_KEYS = {DiscreteState: "discrete", Switch: "switches", Contact: "contacts", Input: "inputs"}
-
-
-def _entry_of(part: Any) -> Any:
-    """What a text says of a symbol."""
-    if isinstance(part, DiscreteState):
-        return part.start
-    if isinstance(part, Switch):
-        return {"function": part.function}
-    return _laws(part) if isinstance(part, Contact) else part.entries
-
-
 def _plain(entry: Any) -> Any:
     """An entry of a text, in which numbers and spaces may be written in several ways."""
     if isinstance(entry, dict):
@@ -482,19 +477,10 @@ def _kind(part: Any) -> str:
     return "discrete state" if isinstance(part, DiscreteState) else type(part).__name__.lower()
 
 
-def _laws(contact: Contact) -> dict[str, Expression]:
-    laws = {
-        "boundary": contact.boundary,
-        "friction": contact.law,
-        "static": contact.static,
-        "normal_force": contact.normal_force,
-    }
-    return {key: law for key, law in laws.items() if law is not None}
-
-
 def _inner(part: Any) -> list[Expression]:
     if isinstance(part, Contact):
-        return list(_laws(part).values())
+        laws = [part.boundary, part.law, part.static, part.normal_force]
+        return [law for law in laws if law is not None]
     if isinstance(part, Switch):
         return [part.function]
     if isinstance(part, DiscreteState):

@@ -294,7 +294,7 @@ def test_an_event_has_the_values_of_the_system():
             with pytest.raises(ValueError, match="in the system and .*use the system's symbol"):
                 call(x - wrong)
     for wrong in (ss.parameter("v", 0.5), ss.state("k"), ss.parameter("u", 1.0)):
-        with pytest.raises(ValueError, match="something else in the system"):
+        with pytest.raises(ValueError, match="give one of them another name"):
             ss.solve_ivp(system, (0, 9), [0, 2], events=x - wrong)
     with pytest.raises(ss.SystemError, match="unknown name `w`"):
         ss.solve_ivp(system, (0, 9), [0, 2], events=x - ss.state("w"))

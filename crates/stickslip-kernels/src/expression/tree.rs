@@ -36,21 +36,6 @@ pub enum ExpressionKind {
     },
 }
 
-impl Expression {
-    /// The expressions of which this one is made directly.
-    pub fn operands(&self) -> Vec<&Expression> {
-        match &self.kind {
-            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
-            ExpressionKind::Negative(inner) => vec![&**inner],
-            ExpressionKind::Chain(first, rest) => {
-                let rest = rest.iter().map(|(_, operand)| operand);
-                std::iter::once(&**first).chain(rest).collect()
-            }
-            ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
-        }
-    }
-}
-
 /// The operators between two expressions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Binary {

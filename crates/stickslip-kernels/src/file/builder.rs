@@ -7,7 +7,7 @@ use stickslip::error::readable;
 use super::formula::{not_finite, where_operands};
 use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
-use super::{Formula, InputEntry, InputShape, Named, SystemFile};
+use super::{Formula, InputEntry, InputShape, SystemFile};
 use crate::expression::{
     Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
 };
@@ -104,7 +104,13 @@ pub(super) struct Builder<'a> {
     frictions: Vec<Progress>,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
+    /// Levels of nesting so far.
+    depth: usize,
 }
+
+/// Most levels of nesting, through brackets and definitions, so that recursion does not overflow the
+/// stack of a thread. It is chosen: files written by hand have far fewer.
+const MOST_DEPTH: usize = 300;
 
 type BuildResult = Result<Id, Problem>;
 
@@ -123,6 +129,7 @@ impl<'a> Builder<'a> {
             definitions: vec![Progress::NotYet; file.definitions.len()],
             frictions: vec![Progress::NotYet; file.contacts.len()],
             sided: 0,
+            depth: 0,
         }
     }
 
@@ -169,6 +176,18 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn expression(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
+        self.depth += 1;
+        if self.depth > MOST_DEPTH {
+            let message = format!("nested deeper than {MOST_DEPTH} levels, definitions included");
+            return Err(Problem::new(message, formula.at(&expression.span))
+                .help("write what is repeated as states, or as one sum"));
+        }
+        let built = self.built(formula, expression);
+        self.depth -= 1;
+        built
+    }
+
+    fn built(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
         let place = formula.at(&expression.span);
         let value = match &expression.kind {
             ExpressionKind::Number(value) => self.graph.constant(*value),
@@ -375,35 +394,19 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn definition(&mut self, number: usize) -> BuildResult {
-        // First those that it depends on, without recursion: there may be any number of them, one
-        // inside another.
-        let mut waiting = vec![(number, false)];
-        loop {
-            let last = waiting.len() - 1;
-            let (top, is_open) = waiting[last];
-            let Named { name, formula } = &self.file.definitions[top];
-            match self.definitions[top] {
-                Progress::Done(id) if last == 0 => return Ok(id),
-                Progress::Done(_) => waiting.truncate(last),
-                Progress::NotYet => {
-                    self.definitions[top] = Progress::UnderWay;
-                    waiting[last].1 = true;
-                    let meanings = names_in(&formula.tree).into_iter();
-                    let meanings = meanings.filter_map(|name| self.file.names.get(name));
-                    waiting.extend(meanings.filter_map(|meaning| match meaning {
-                        Meaning::Definition(other) => Some((other, false)),
-                        _ => None,
-                    }));
-                }
-                Progress::UnderWay if is_open => {
-                    self.definitions[top] = Progress::Done(self.formula(formula)?);
-                }
-                Progress::UnderWay => {
-                    let message = format!("the definition of `{name}` depends on itself");
-                    return Err(Problem::new(message, formula.whole()));
-                }
+        let definition = &self.file.definitions[number];
+        match self.definitions[number] {
+            Progress::Done(id) => return Ok(id),
+            Progress::UnderWay => {
+                let message = format!("the definition of `{}` depends on itself", definition.name);
+                return Err(Problem::new(message, definition.formula.whole()));
             }
+            Progress::NotYet => {}
         }
+        self.definitions[number] = Progress::UnderWay;
+        let id = self.formula(&definition.formula)?;
+        self.definitions[number] = Progress::Done(id);
+        Ok(id)
     }
 
     fn call(
@@ -610,19 +613,6 @@ impl<'a> Builder<'a> {
             }),
         })
     }
-}
-
-/// The names in an expression.
-fn names_in(expression: &Expression) -> Vec<&str> {
-    let mut names = Vec::new();
-    let mut waiting = vec![expression];
-    while let Some(expression) = waiting.pop() {
-        match &expression.kind {
-            ExpressionKind::Name(name) => names.push(&**name),
-            _ => waiting.extend(expression.operands()),
-        }
-    }
-    names
 }
 
 fn wrong_count(function: &str, wanted: &str, found: usize, place: Range<usize>) -> Problem {

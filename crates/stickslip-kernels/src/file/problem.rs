@@ -94,40 +94,22 @@ impl Problem {
         }
     }
 
-    /// Line, column and surroundings of a fault in a line that is too long to be shown.
+    /// Line and column of a fault in a line that is too long to be shown, and the advice.
     fn in_long_line(&self, text: &str) -> Option<String> {
         let before = text.get(..self.place.start)?;
         let start = before.rfind('\n').map_or(0, |end| end + 1);
-        let line = text[start..].lines().next()?;
-        if line.len() <= MOST_LINE_BYTES {
-            return None;
-        }
-        let (before, from) = (
-            &before[start..],
-            &text[self.place.start..start + line.len()],
-        );
-        let column = before.chars().count();
-        let skipped = column.saturating_sub(SHOWN_BEFORE);
-        let shown: String = before
-            .chars()
-            .skip(skipped)
-            .chain(from.chars().take(SHOWN_FROM))
-            .collect();
+        let is_long = text[start..].lines().next()?.len() > MOST_LINE_BYTES;
         let help = self.help.iter().map(|help| format!("\n  = help: {help}"));
-        let number = 1 + text[..start].matches('\n').count();
-        Some(format!(
-            "{number}:{}\n  │ … {shown} …{}",
-            column + 1,
-            help.collect::<String>()
-        ))
+        let (line, column) = (
+            before.matches('\n').count(),
+            before[start..].chars().count(),
+        );
+        is_long.then(|| format!("{}:{}{}", line + 1, column + 1, help.collect::<String>()))
     }
 }
 
-/// Longest line that is shown whole, in bytes, and the characters shown of a longer one: those
-/// before the fault, and from there on. They are chosen: lines written by hand are shorter.
+/// Longest line that is shown, in bytes. It is chosen: lines written by hand are shorter.
 const MOST_LINE_BYTES: usize = 1000;
-const SHOWN_BEFORE: usize = 30;
-const SHOWN_FROM: usize = 60;
 
 /// The text of a file and its name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -109,7 +109,6 @@ impl<'a> Evaluation<'a> {
     fn first(&self, formulas: impl Iterator<Item = (String, &'a Formula)>) -> Option<String> {
         let wholes = formulas.map(|(key, formula)| (key, formula, &formula.tree));
         let (mut part, mut value) = self.undefined(wholes)?;
-        // No recursion: there may be any number of definitions, one inside another.
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
             (part, value) = inner;
         }
@@ -199,7 +198,13 @@ type Part<'a> = (String, &'a Formula, &'a Expression);
 /// The operands of an expression. The contact of a friction is none.
 fn operands(whole: &Expression) -> Vec<&Expression> {
     match &whole.kind {
+        ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+        ExpressionKind::Negative(inner) => vec![&**inner],
+        ExpressionKind::Chain(first, rest) => {
+            let rest = rest.iter().map(|(_, operand)| operand);
+            std::iter::once(&**first).chain(rest).collect()
+        }
         ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
-        _ => whole.operands(),
+        ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
     }
 }
