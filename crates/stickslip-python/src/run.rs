@@ -124,7 +124,6 @@ impl OtherEvent<'_> {
 /// Recording of an orbit for Python.
 struct Recording<'a> {
     passages: Passages,
-    others: Vec<OtherEvent<'a>>,
     /// The run ends at this time.
     limit: f64,
     signals: &'a mut Signals,
@@ -141,9 +140,14 @@ struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+    fn watch(
+        &mut self,
+        progress: OrbitProgress,
+        orbit: &mut dyn OrbitUnderWay,
+        others: &mut [OtherEvent<'_>],
+    ) -> ControlFlow<()> {
         match progress {
-            OrbitProgress::Step => return self.step(orbit),
+            OrbitProgress::Step => return self.step(orbit, others),
             OrbitProgress::Passage(at) => return self.passages.passed(at, &mut self.limit),
             OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
             OrbitProgress::Transition(at) if at.t <= self.limit => {
@@ -154,15 +158,20 @@ impl Recording<'_> {
         ControlFlow::Continue(())
     }
 
-    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+    fn step(
+        &mut self,
+        orbit: &mut dyn OrbitUnderWay,
+        others: &mut [OtherEvent<'_>],
+    ) -> ControlFlow<()> {
         let step = orbit.last_step();
         let decision = match step.t_start > self.limit {
             true => ControlFlow::Break(()),
             false => self.signals.check_signals(step.t_end),
         };
         if decision.is_continue() {
-            let others = self.others.iter_mut();
-            others.for_each(|other| other.advance(step.t_end, &mut self.limit));
+            let limit = &mut self.limit;
+            let others = others.iter_mut();
+            others.for_each(|other| other.advance(step.t_end, limit));
             self.points_of(&step, orbit);
             self.friction.step(orbit);
             self.last = (step.t_end, step.x_end.clone());
@@ -231,7 +240,7 @@ fn solved<'a>(
     (requested, keeps_steps, limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
 ) -> Result<Solved<'a>, Error> {
-    let [others @ .., (recorded, most)] = systems else {
+    let Some((&(recorded, most), others)) = systems.split_last() else {
         return Err(Error::NotConverged {
             what: "a run of no system",
             iterations: 0,
@@ -240,7 +249,7 @@ fn solved<'a>(
         });
     };
     let start = (t, Vector::from_column_slice(x));
-    let begin = |&(system, most): &(&'a CompiledSystem, usize)| {
+    let begin = |&(system, most): &(&'a CompiledSystem, usize)| -> Result<_, Error> {
         let at = Moment {
             t,
             x: start.1.clone(),
@@ -252,9 +261,9 @@ fn solved<'a>(
             reached: t,
         })
     };
+    let mut others: Vec<OtherEvent<'_>> = others.iter().map(begin).collect::<Result<_, _>>()?;
     let mut recording = Recording {
-        passages: Passages::new(*most),
-        others: others.iter().map(begin).collect::<Result<_, Error>>()?,
+        passages: Passages::new(most),
         limit,
         signals,
         friction: FrictionWatch::new(recorded),
@@ -273,10 +282,11 @@ fn solved<'a>(
             recording.points.push(recording.last.clone());
         }
     }
-    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
+    let mut watcher =
+        |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit, &mut others);
     let (dynamics, section) = (recorded.dynamics(), recorded.section());
     let outcome = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
-    let others = std::mem::take(&mut recording.others).into_iter();
+    let others = others.into_iter();
     let mut events: Vec<Passages> = others.map(|other| other.passages).collect();
     events.push(std::mem::replace(&mut recording.passages, Passages::new(0)));
     let terminal = events.iter().filter_map(Passages::terminal);

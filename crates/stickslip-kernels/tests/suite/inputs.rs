@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use stickslip::analysis::monodromy;
 use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, Section, Vector};
+use stickslip::math::exp;
 use stickslip::{Method, Options};
 use stickslip_kernels::file::{Source, System, SystemFile};
 use stickslip_kernels::kernel::{follow, ignore};
@@ -47,7 +48,7 @@ fn two_points_at_one_time_are_a_step() {
     let held = read("held", &held, "u").unwrap();
     let ends = read("ends", &table("[1, 1, 2, 2]", "[4, 0, 1, 7]"), "u").unwrap();
     for method in METHODS {
-        assert!((end(&step, 0.0, 5.0, method) - 32.5).abs() < 1e-13);
+        assert!((end(&step, 0.0, 5.0, method) - 32.5).abs() < 1e-12);
         assert!((end(&held, 0.0, 6.0, method) - (6.0 + 15.0 + 7.0)).abs() < 1e-12);
         assert!((end(&ends, 0.0, 3.0, method) - (4.0 + 0.5 + 7.0)).abs() < 1e-12);
     }
@@ -101,7 +102,7 @@ fn tables_are_read_as_other_programs_write_them() {
         let system =
             read(name.to_str().unwrap(), table, "u").unwrap_or_else(|error| panic!("{error}"));
         assert!(
-            (end(&system, 0.0, 5.0, Method::Taylor) - 32.5).abs() < 1e-13,
+            (end(&system, 0.0, 5.0, Method::Taylor) - 32.5).abs() < 1e-12,
             "{content:?}"
         );
     }
@@ -115,7 +116,7 @@ fn a_width_may_be_a_formula_of_parameters() {
     // x' = u - x: the periodic orbit begins at (e^(wT) - 1)/(e^T - 1).
     let system = read("pulse", PULSE, "u - x").unwrap();
     for w in [0.01_f64, 0.3, 0.5, 0.99] {
-        let x = ((2.0 * w).exp() - 1.0) / (2.0_f64.exp() - 1.0);
+        let x = (exp(2.0 * w) - 1.0) / (exp(2.0) - 1.0);
         let system = system.with_values(&[("w", w)]).unwrap();
         for method in METHODS {
             assert!((end(&system, x, 20.0, method) - x).abs() < 1e-12, "{w}");
@@ -163,8 +164,8 @@ fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
             let falls = (0..2)
                 .map(|k| 2.0 * (w + f64::from(k)))
                 .filter(|fall| *fall < t);
-            let by_width: f64 = falls.map(|fall| 2.0 * (fall - t).exp()).sum();
-            assert!((found[(0, 0)] - (-t).exp()).abs() < 1e-11, "{found}");
+            let by_width: f64 = falls.map(|fall| 2.0 * exp(fall - t)).sum();
+            assert!((found[(0, 0)] - exp(-t)).abs() < 1e-11, "{found}");
             assert!(
                 (found[(0, 1)] - by_width).abs() < 1e-11,
                 "{w} {found} {by_width}"
