@@ -65,8 +65,10 @@ fn definitions_are_nested_to_a_limit_that_is_told() {
             let define = |k: usize| format!("d{k} = \"d{} + 1\"\n", k - 1);
             let deep: String = (1..depth).map(define).collect();
             let last = depth - 1;
-            let text = format!("name = \"deep\"\n[states]\nx = \"\"\n[definitions]\nd0 = \"x\"\n");
-            text + &format!("{deep}[field]\nx = \"d{last}\"\n")
+            format!(
+                "name = \"deep\"\n[states]\nx = \"\"\n[definitions]\nd0 = \"x\"\n{deep}\
+                 [field]\nx = \"d{last}\"\n"
+            )
         };
         let name = "deep.toml".to_owned();
         let read = |text| {
