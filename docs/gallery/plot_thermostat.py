@@ -19,7 +19,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import stickslip as ss
 
-(T,) = ss.states("T")
+T = ss.state("T")
 (heater,) = ss.discrete(heater=1.0)
 (To,) = ss.parameters(To=5.0)
 on = ss.Jump("on", when=T - 19, direction="falling", set={heater: 1})

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 from collections.abc import Mapping
 from typing import Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._symbols import Expression, Parameter, State, number, out_of_bounds, whole
+from ._symbols import Expression, Parameter, State, number, out_of_bounds, readable, whole
 from ._system import System
 
 Floats = NDArray[np.float64]
@@ -115,6 +116,8 @@ def threads(workers: Any) -> int:
 
 def as_array(values: Any, name: str) -> NDArray[Any]:
     """A NumPy array of the values."""
+    if isinstance(values, np.ma.MaskedArray):
+        raise TypeError(f"{name} is a masked array: give its values, {name}.filled(…)")
     try:
         return np.asarray(values)
     except ValueError as error:
@@ -155,7 +158,7 @@ def pair(values: Any, name: str, help: str) -> tuple[float, float]:
         raise ValueError(f"{name} has {len(both)} values: it must be two, from and to")
     low, high = (float(one) for one in both)
     if not low < high:
-        raise out_of_bounds(f"{name}[1]", high, f"larger than {name}[0] = {low:.15g}", f"; {help}")
+        raise out_of_bounds(f"{name}[1]", high, f"larger than {name}[0] = {readable(low)}", f"; {help}")
     return low, high
 
 
@@ -166,6 +169,8 @@ def checked(system: System) -> System:
     help = ""
     if callable(system):
         help = "; write the right-hand side with symbols: ss.System({x: v, v: -x})"
+    if isinstance(system, (str, os.PathLike)):
+        help = f"; a file or a shipped model is ss.System.from_toml({str(system)!r})"
     raise TypeError(f"system must be a stickslip.System, not {type(system).__name__}{help}")
 
 
@@ -177,6 +182,7 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
         if system.start is None:
             raise ValueError(f"the system has no start: give y0, the states {', '.join(names)}")
         return list(system.start)
+    y0 = by_name(y0, "index", "y0")
     if isinstance(y0, Mapping):
         starts = zip(names, system._core.starts)
         given: dict[Any, Any] = {name: value for name, value in starts if value is not None}
@@ -187,6 +193,34 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
             raise ValueError(f"y0 {what} {name}{help}")
         return [number(given[name], f"y0[{name}]") for name in names]
     return [float(value) for value in complete(system, array(y0, "y0"), "y0")[0]]
+
+
+def by_name(values: Any, axis: str, name: str) -> Any:
+    """Values with labels, as pandas has them, as a dict by label, unless they are only numbered."""
+    labels = getattr(values, axis, None)
+    if labels is None or callable(labels):
+        return values
+    labels = list(labels)
+    if all(isinstance(one, numbers.Integral) for one in labels) and labels == [*range(len(labels))]:
+        return values
+    for label in labels:
+        if not isinstance(label, (str, Expression)):
+            raise ValueError(
+                f"the {axis} of {name} has {label!r}: it must have the names of states, or none "
+                f"({name}.to_numpy() has the values in order)"
+            )
+    if len(set(labels)) < len(labels):
+        raise ValueError(f"the {axis} of {name} has a name twice: {labels}")
+    columns = np.asarray(values).T
+    return dict(zip(labels, columns))
+
+
+def in_order(system: System, columns: Mapping[Any, Any]) -> NDArray[Any]:
+    """Columns by the names of states as rows of states."""
+    named = {getattr(key, "name", key): column for key, column in columns.items()}
+    for name in named.keys() - set(system.states):
+        raise ValueError(f"starts has values of {name}, which is no state of the system")
+    return np.stack([named[name] for name in system.states if name in named], axis=-1)
 
 
 def complete(system: System, states: Floats, name: str) -> Floats:

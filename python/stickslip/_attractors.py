@@ -15,8 +15,10 @@ from ._arguments import (
     Options,
     array,
     as_array,
+    by_name,
     checked,
     complete,
+    in_order,
     name_of,
     real,
     settings,
@@ -31,7 +33,7 @@ from ._symbols import Parameter, State, number, out_of_bounds
 from ._system import System
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class BifurcationDiagram(Result):
     """The attractor at each value of a parameter.
 
@@ -100,7 +102,7 @@ class BifurcationDiagram(Result):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Basins(Result):
     """The attractor that each start leads to.
 
@@ -160,7 +162,7 @@ class Basins(Result):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class ParameterMap(Result):
     """The attractor of the orbit from a start, over a plane of two parameters.
 
@@ -281,7 +283,7 @@ def bifurcation_diagram(
     Examples
     --------
     >>> import stickslip as ss
-    >>> x, = ss.states("x")
+    >>> x = ss.states("x")
     >>> p = ss.parameter("p", 1.0)
     >>> found = ss.bifurcation_diagram(ss.System({x: p * x - x**3}), p, [1, 4], [0.5])
     >>> found.kind, [float(points[0, 0].round(6)) for points in found.points]
@@ -354,7 +356,7 @@ def basins_of_attraction(
     Examples
     --------
     >>> import stickslip as ss
-    >>> x, = ss.states("x")
+    >>> x = ss.states("x")
     >>> found = ss.basins_of_attraction(ss.System({x: x - x**3}), [[-2.0], [-0.1], [0.1]])
     >>> found.reached, found.shares.round(2)
     (array([0, 0, 1]), array([0.67, 0.33]))
@@ -362,6 +364,9 @@ def basins_of_attraction(
     names = checked(system).states
     if _is_meshgrid(starts):
         raise ValueError("starts is a meshgrid: stack it, np.stack(np.meshgrid(x, v), axis=-1)")
+    starts = by_name(starts, "columns", "starts")
+    if isinstance(starts, dict):
+        starts = in_order(system, starts)
     given = as_array(starts, "starts")
     discrete = len(system.discrete)
     if given.ndim == 0 or given.shape[-1] not in (len(names), len(names) - discrete):
@@ -450,7 +455,7 @@ def parameter_map(
     Examples
     --------
     >>> import stickslip as ss
-    >>> x, = ss.states("x")
+    >>> x = ss.states("x")
     >>> a, b = ss.parameters(a=1.0, b=1.0)
     >>> found = ss.parameter_map(ss.System({x: a - b * x}), (a, [1, 2]), (b, [-1, 1, 2]), [0])
     >>> found.kind

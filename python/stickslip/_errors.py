@@ -103,5 +103,6 @@ class InternalError(RuntimeError):
 
 
 class SolverWarning(RuntimeWarning):
-    """A run failed. `solve_ivp` returns the orbit up to the failure. In results of many runs, the
-    kind of a failed one is ``"failure"``, and one warning counts them."""
+    """A run failed, its future is not unique, or its friction became negative. `solve_ivp` returns
+    the orbit so far. In results of many runs, the kind of a failed one is ``"failure"``, and one
+    warning counts them."""

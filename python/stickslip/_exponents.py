@@ -18,7 +18,7 @@ from ._symbols import State, number, whole
 from ._system import System
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class LyapunovSpectrum(Result):
     """Lyapunov exponents, per unit of time.
 
@@ -66,7 +66,7 @@ class LyapunovSpectrum(Result):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class DataSpectrum(Result):
     """Lyapunov exponents of a measured series, per unit of time.
 

@@ -15,11 +15,11 @@ from ._plot import new_axes
 from ._progress import progress_report
 from ._results import Result, call_engine, column, make_result, structured
 from ._run import Event, Solution, section_of, solve_ivp
-from ._symbols import Expression, Parameter, State, number, out_of_bounds, whole
+from ._symbols import Expression, Parameter, State, number, out_of_bounds, readable, whole
 from ._system import System
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class PeriodicOrbit(Result):
     """A periodic orbit.
 
@@ -97,7 +97,7 @@ class PeriodicOrbit(Result):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class PoincareMap(Result):
     """Crossings of a section, each mapped to the next.
 
@@ -134,7 +134,7 @@ class PoincareMap(Result):
         return axes
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Branch(Result):
     """A branch of periodic orbits, from its lower end to its upper end.
 
@@ -215,7 +215,7 @@ class Branch(Result):
         return found
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class EquilibriumBranch(Result):
     """A branch of equilibria, from its lower end to its upper end.
 
@@ -301,7 +301,7 @@ def _range(
     name = name_of(parameter)
     value = checked(system).parameters.get(name, low)
     if not low <= value <= high:
-        bound = f"in the bounds {low:.15g} to {high:.15g} of the branch"
+        bound = f"in the bounds {readable(low)} to {readable(high)} of the branch"
         raise out_of_bounds(name, value, bound, "; set it by with_parameters")
     return name, low, high
 

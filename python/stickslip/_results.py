@@ -101,8 +101,8 @@ def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
 def column(system: System, which: int | str | State) -> tuple[int, str]:
     """Number and name of a state."""
     names = system.states
-    name = which.name if isinstance(which, State) else which
-    if name in names:
+    name = getattr(which, "name", which)
+    if isinstance(name, str) and name in names:
         return names.index(str(name)), str(name)
     if isinstance(name, (int, np.integer)) and -len(names) <= name < len(names):
         return int(name) % len(names), names[name]

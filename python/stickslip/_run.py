@@ -17,6 +17,7 @@ from ._arguments import (
     Method,
     OptionsButMethod,
     array,
+    as_array,
     checked,
     pair,
     settings,
@@ -31,6 +32,7 @@ from ._symbols import (
     Expression,
     State,
     out_of_bounds,
+    readable,
     sign_of,
     varying,
     whole,
@@ -96,7 +98,7 @@ def event(
 def section_of(system: System, watched: Event | Expression) -> _core.System:
     """The system with an event as its section."""
     watched = watched if isinstance(watched, Event) else event(watched)
-    return system._section(watched.function.text, watched.direction)
+    return system._section(watched.function, watched.direction)
 
 
 class DenseOutput:
@@ -123,22 +125,23 @@ class DenseOutput:
 
         Parameters
         ----------
-        t : float or array_like, shape (m,)
+        t : float or array_like
             Times of the run.
 
         Returns
         -------
-        ndarray, shape (n,) or (n, m)
+        ndarray, shape (n, …)
+            The states on the first axis, the axes of `t` behind it.
 
         Raises
         ------
         OptionError
             For a time before or after the run.
         """
-        times = np.asarray(t, dtype=np.float64)
+        times = as_array(t, "t").astype(np.float64)
         outside = ~((times >= self.t_min) & (times <= self.t_max))
         if outside.any():
-            bound = f"within the run, {self.t_min:.15g} to {self.t_max:.15g}"
+            bound = f"within the run, {readable(self.t_min)} to {readable(self.t_max)}"
             raise out_of_bounds("t", float(times[outside].flat[0]), bound)
         if self._core is None:
             system, start, t_end, options = self._run
@@ -148,7 +151,7 @@ class DenseOutput:
             )
             self._core = again["sol"]
         found: Floats = call_engine(self._core.at, np.ascontiguousarray(times.ravel()))
-        return found[0] if times.ndim == 0 else found.T
+        return found.T.reshape(found.shape[1], *times.shape)
 
     def __reduce__(self) -> Any:
         return type(self), (self._run, self.t_max)
@@ -164,7 +167,7 @@ class DenseOutput:
         return f"<DenseOutput from t = {self.t_min:g} to {self.t_max:g}>"
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Solution:
     """An orbit, with SciPy's names.
 
@@ -211,8 +214,8 @@ class Solution:
 
     @property
     def success(self) -> bool:
-        """Whether the run did not fail."""
-        return self.status >= 0
+        """Whether the run reached the end time, a terminal event or a jump that ends it."""
+        return self.status in (0, 1)
 
     def __repr__(self) -> str:
         span = f"t = {self.t[0]:g} to {self.t[-1]:g}, " if len(self.t) else ""
@@ -266,6 +269,7 @@ def solve_ivp(
         Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
         Further events to locate. Each event beyond the first costs another run of the same orbit.
+        Symbols in them have the values that they have in the system.
     progress : bool, optional
         Whether to show the progress of the run; as a bar if tqdm is installed.
     **options : Options
@@ -281,7 +285,8 @@ def solve_ivp(
         For a number that is out of bounds, NaN or infinite; other wrong arguments raise
         `ValueError` or `TypeError`.
     StickslipError
-        If the run fails at its start. If it fails later, it warns and returns the orbit so far.
+        If the run fails at its start. If it fails later, or its future is not unique, it warns and
+        returns the orbit so far.
     Interrupted
         On Ctrl-C; `partial` is the orbit so far.
 
@@ -300,8 +305,8 @@ def solve_ivp(
     if t_eval is not None:
         times = array(t_eval, "t_eval")
         for k in np.flatnonzero((times < t0) | (times > t_end))[:1]:
-            bound = f"within t_span, {t0:.15g} to {t_end:.15g}"
-            raise out_of_bounds(f"t_eval[{k}]", times[k], bound)
+            bound = f"within t_span, {readable(t0)} to {readable(t_end)}"
+            raise out_of_bounds(f"t_eval[{k}]", float(times[k]), bound)
         if (np.diff(times) <= 0).any():
             k = int(np.argmax(np.diff(times) <= 0)) + 1
             raise ValueError(
@@ -327,8 +332,10 @@ def solve_ivp(
     end = found.pop("t_end")
     if "raised" in found:
         found.update(status=-1, message=f"The run was interrupted at t = {end}.")
-    elif found["status"] < 0:
+    elif found["status"] not in (0, 1):
         warnings.warn(found["message"], SolverWarning, stacklevel=2)
+    if doubt := found.pop("doubt"):
+        warnings.warn(doubt, SolverWarning, stacklevel=2)
     passed, core = found.pop("events"), found.pop("sol")
     found["y"] = found["y"].T
     for table in ("transitions", "phases"):

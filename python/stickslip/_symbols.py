@@ -132,9 +132,9 @@ class Expression:
     __trunc__ = _refuses("`trunc` of `{}`", _STEPS)
 
     def __eq__(self, other: object) -> bool:
-        if isinstance(other, (numbers.Number, np.ndarray)):
-            raise TypeError(f"a comparison (`==` with `{self.text}`) is no formula: {_COMPARED}")
-        return self is other
+        if self is other:
+            return True
+        raise TypeError(f"a comparison (`==` with `{self.text}`) is no formula: {_COMPARED}")
 
     __hash__ = object.__hash__
 
@@ -265,7 +265,13 @@ def out_of_bounds(
     name: str, value: float, bound: str, help: str = "", what: str = ""
 ) -> OptionError:
     """The error for an argument out of its bounds."""
-    return OptionError(f"{what}{name} = {value:.15g}: it must be {bound}{help}", name, value, bound)
+    text = f"{what}{name} = {readable(value)}: it must be {bound}{help}"
+    return OptionError(text, name, value, bound)
+
+
+def readable(value: float) -> str:
+    """A number in 15 digits, or in those that distinguish it from others."""
+    return short if float(short := f"{value:.15g}") == value else repr(float(value))
 
 
 def number(value: Any, name: str = "a number", what: str = "") -> float:
@@ -356,27 +362,32 @@ class Symbol(Expression):
     __slots__ = ("name",)
 
     def __init__(self, name: str) -> None:
-        check_name(name)
-        self.name = name
-        super().__init__(name, _ATOM, frozenset([self]))
+        self.name = check_name(name)
+        super().__init__(self.name, _ATOM, frozenset([self]))
 
     def __reduce__(self) -> Any:
         return type(self), (self.name,)
 
     def __eq__(self, other: object) -> bool:
-        # Symbols with the same name but other values are different, so that a system rejects them.
-        return super().__eq__(other) or (
-            type(other) is type(self) and repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
-        )
+        # Sets and dicts compare those with the same hash. Symbols with the same name but other
+        # values are different, so that a system rejects them.
+        if type(other) is type(self) and hash(other) == hash(self):
+            return repr(self.__reduce__()[1]) == repr(other.__reduce__()[1])
+        return super().__eq__(other)
 
     def __hash__(self) -> int:
         return hash((type(self), self.name))
 
 
-def check_name(name: str) -> None:
-    """Rejects an invalid name."""
-    if not (isinstance(name, str) and name.isidentifier()):
+def check_name(name: str) -> str:
+    """The name, as the engine reads it, which replaces the micro sign by the Greek letter."""
+    letters = name.replace("_", "a") if isinstance(name, str) else ""
+    is_good = letters[:1].isalpha() and all(
+        one.isalpha() or one in "0123456789₀₁₂₃₄₅₆₇₈₉" for one in letters
+    )
+    if not is_good:
         raise ValueError(f"{name!r} is no name: a letter, and behind it letters, digits and _")
+    return name.replace("\u00b5", "μ")
 
 
 class State(Symbol):
@@ -413,12 +424,12 @@ def _interval(range: Any, of: Parameter) -> tuple[float, float]:
     if not low < high:
         raise ValueError(f"{what} = ({low:g}, {high:g}): the lower end must come first")
     if not low <= of.value <= high:
-        bound = f"within its range, {low:.15g} to {high:.15g}"
+        bound = f"within its range, {readable(low)} to {readable(high)}"
         raise out_of_bounds(of.name, of.value, bound, what="the parameter ")
     return low, high
 
 
-def states(names: str | Sequence[str]) -> tuple[State, ...]:
+def states(names: str | Sequence[str]) -> Any:
     """Makes states from names: ``x, v = ss.states("x v")``.
 
     Parameters
@@ -428,14 +439,16 @@ def states(names: str | Sequence[str]) -> tuple[State, ...]:
 
     Returns
     -------
-    tuple of State
-        A single name also gives a tuple: ``x, = ss.states("x")``, or ``x = ss.state("x")``.
+    tuple of State, or State
+        A text of one name gives that state: ``x = ss.states("x")``.
 
     Raises
     ------
     ValueError
         If a name is invalid or occurs twice.
     """
+    if isinstance(names, str) and len(names.split()) == 1 and "," not in names:
+        return State(names.strip())
     each = names.replace(",", " ").split() if isinstance(names, str) else list(names)
     if len(set(each)) < len(each):
         raise ValueError(f"the states {', '.join(each)} must have different names")
@@ -543,14 +556,18 @@ class Contact(Symbol):
         super().__init__(name)
         self.boundary = expression(boundary)
         # A friction law may depend on the side of its contact, so a function is called with it.
-        self.law = self._law(friction)
-        self.static = self._law(static)
+        self.law = self._law("friction", friction)
+        self.static = self._law("static", static)
         self.normal_force = None if normal_force is None else expression(normal_force)
 
-    def _law(self, law: Any) -> Expression | None:
+    def _law(self, what: str, law: Any) -> Expression | None:
         if law is None:
             return None
-        return expression(law(self.side) if callable(law) else law)
+        law = law(self.side) if callable(law) else law
+        if isinstance(law, numbers.Real) and law < 0:
+            help = "; a friction law is a size, and acts against the slip"
+            raise out_of_bounds(what, float(law), "at least 0", help, f"{self.name}: ")
+        return expression(law)
 
     def __reduce__(self) -> Any:
         of = (self.name, self.boundary, self.law, self.static, self.normal_force)
@@ -671,7 +688,7 @@ def sawtooth(name: str, period: Any, phase: Any = None) -> Input:
     return _repeated(name, "sawtooth", period, phase)
 
 
-def pulse(name: str, period: Any, width: float, phase: Any = None) -> Input:
+def pulse(name: str, period: Any, width: Any, phase: Any = None) -> Input:
     """An input that is 1 in the first part of each period, 0 in the rest.
 
     Parameters
@@ -680,12 +697,13 @@ def pulse(name: str, period: Any, width: float, phase: Any = None) -> Input:
         Name in formulas and results.
     period : float or Expression
         A number or a formula of parameters.
-    width : float
-        Fraction of the period in which it is 1.
+    width : float or Expression
+        Fraction of the period in which it is 1, between 0 and 1: a number or a formula of
+        parameters.
     phase : float or Expression, optional
         Fraction of the period that has passed at time 0. Default 0.
     """
-    return _repeated(name, "pulse", period, phase, width=number(width, "width"))
+    return _repeated(name, "pulse", period, phase, width=expression(width))
 
 
 def table(
@@ -701,7 +719,7 @@ def table(
     name : str
         Name in formulas and results.
     times, values : array_like, shape (m,)
-        The points, sorted by time.
+        The points, sorted by time. Two points at one time are a step.
     between : {"linear", "constant"}, optional
         Interpolation: a line between two points, or the value of the first.
     """
@@ -757,14 +775,13 @@ class Jump:
         stop: bool = False,
         count: int | None = None,
     ) -> None:
-        check_name(name)
         values = {} if set is None else set
         if not isinstance(values, Mapping):
             raise TypeError(f"set must be {{state: value, …}}, not {set!r}")
         for state in values:
             if not isinstance(state, (State, DiscreteState)):
                 raise TypeError(f"{state!r} is no state: the keys of set are made by ss.states")
-        self.name = name
+        self.name = check_name(name)
         self.when = varying(when, "the jump's function")
         self.set = {state: expression(value) for state, value in values.items()}
         self.direction = _DIRECTIONS[sign_of(direction)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NoReturn
 
@@ -65,16 +66,49 @@ class System:
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
-        self._sections: dict[tuple[str, int], _core.System] = {}
+        self._sections: dict[tuple[Any, ...], _core.System] = {}
 
-    def _section(self, function: str, direction: int) -> _core.System:
+    def _section(self, function: Expression, direction: int) -> _core.System:
         """The same system with a section, stored for further runs."""
-        key = (function, direction)
+        key = (function.text, direction, function.parts)
         if key not in self._sections:
+            self._check_symbols(function)
             if len(self._sections) >= 64:
                 self._sections.clear()
-            self._sections[key] = self._core.with_section(*key)
+            self._sections[key] = self._core.with_section(function.text, direction)
         return self._sections[key]
+
+    def _check_symbols(self, formula: Expression) -> None:
+        """Rejects symbols that the system has with another value or as something else."""
+        parts = _parts([formula])
+        if any(isinstance(one, Contact) for one in parts):
+            # The engine rejects sides.
+            return
+        rates: dict[State, Any] = {one: 0.0 for one in parts if isinstance(one, State)}
+        mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), ()), None, None, ""))
+        text = tomllib.loads(self._text)
+        kinds = ["definitions", "switches", "inputs", "parameters", "discrete", "states"]
+        known = {name: kind for kind in kinds for name in text.get(kind, {})}
+        for kind, name in [(kind, name) for kind in kinds for name in mine.get(kind, {})]:
+            there = known.get(name, kind)
+            if there != kind and (kind != "states" or there == "parameters"):
+                raise ValueError(
+                    f"{name} is among the {there} of the system, and among the {kind} of the "
+                    f"formula {formula}: give one of them another name"
+                )
+            if kind == "states" or name not in known:
+                continue
+            one, other = mine[kind][name], text[kind][name]
+            if kind == "parameters":
+                # A system with another value of a parameter has the symbol of the original one.
+                first = System._of(self._origin, self._text, {}) if self._settings else self
+                other, one = self.parameters[name], one["value"] if isinstance(one, dict) else one
+                other = one if one == first.parameters[name] else other
+            if _plain(one) != _plain(other):
+                raise ValueError(
+                    f"{name} is {other} in the system and {one} in the formula {formula}: use the "
+                    "system's symbol, or give one of them another name"
+                )
 
     @classmethod
     def _of(cls, origin: str, text: str, settings: Mapping[str, float]) -> System:
@@ -269,8 +303,13 @@ def _table(entries: Mapping[str, Any]) -> list[str]:
             shown = "{ " + ", ".join(_table(value)) + " }"
         else:
             shown = _quoted(value)
-        lines.append(f"{key} = {shown}")
+        lines.append(f"{_key(key)} = {shown}")
     return lines
+
+
+def _key(name: str) -> str:
+    """A name as a key of TOML, where other letters than A to Z stand in quotes."""
+    return name if name.isascii() else _quoted(name)
 
 
 def _text(
@@ -285,10 +324,7 @@ def _text(
         raise TypeError("rates must be {state: rate, …} with a rate for each state")
     for state in rates:
         if not isinstance(state, State):
-            help = "made by ss.states"
-            if isinstance(state, tuple):
-                help += ", which returns a tuple: x, = ss.states('x'), or x = ss.state('x')"
-            raise TypeError(f"{state!r} is no state: the keys of rates are {help}")
+            raise TypeError(f"{state!r} is no state: the keys of rates are made by ss.states")
     field = {state.name: expression(rate) for state, rate in rates.items()}
     whole = None if period is None else expression(period)
 
@@ -302,7 +338,7 @@ def _text(
     unknown = [one for one in parts if isinstance(one, State) and one not in rates]
     if unknown:
         raise ValueError(f"the state {unknown[0].name} has no rate: add it to rates")
-    missing = [one for one in parts if isinstance(one, Contact) and one not in contacts]
+    missing = [one for one in parts if isinstance(one, Contact) and one not in set(contacts)]
     if missing:
         raise ValueError(f"the contact {missing[0].name} is not among contacts=[…]")
 
@@ -334,19 +370,19 @@ def _text(
             "normal_force": contact.normal_force,
         }
         entries: dict[str, Any] = {key: law for key, law in laws.items() if law is not None}
-        tables.append((f"contacts.{contact.name}", entries))
-    tables += [(f"inputs.{one.name}", one.entries) for one in of(Input)]
-    tables += [(f"switches.{one.name}", {"function": one.function}) for one in of(Switch)]
+        tables.append((f"contacts.{_key(contact.name)}", entries))
+    tables += [(f"inputs.{_key(one.name)}", one.entries) for one in of(Input)]
+    tables += [(f"switches.{_key(one.name)}", {"function": one.function}) for one in of(Switch)]
     for jump in jumps:
         entries = dict[str, Any](when=jump.when, direction=jump.direction)
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
             entries["count"] = jump.count
-        tables.append((f"jumps.{jump.name}", entries))
+        tables.append((f"jumps.{_key(jump.name)}", entries))
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}
-            tables.append((f"jumps.{jump.name}.set", values))
+            tables.append((f"jumps.{_key(jump.name)}.set", values))
     tables.append(("field", field))
     tables.append(("start", starts))
     tables.append(("time", {} if whole is None else {"period": whole}))
@@ -423,6 +459,18 @@ def _parts(formulas: Iterable[Expression]) -> set[Any]:
         for inner in _inner(part):
             waiting += inner.parts
     return set(found.values())
+
+
+def _plain(entry: Any) -> Any:
+    """An entry of a text, in which numbers and spaces may be written in several ways."""
+    if isinstance(entry, dict):
+        return {"between": "linear"} | {key: _plain(value) for key, value in entry.items()}
+    if isinstance(entry, list):
+        return [_plain(one) for one in entry]
+    try:
+        return float(entry)
+    except ValueError:
+        return "".join(entry.split())
 
 
 def _kind(part: Any) -> str:

@@ -465,7 +465,7 @@ def test_an_option_out_of_bounds_has_typed_fields():
 
 
 def test_a_branch_begins_within_its_bounds():
-    (x,) = ss.states("x")
+    x = ss.state("x")
     p = ss.parameter("p", 2.0)
     system = ss.System({x: p - x})
     with pytest.raises(ss.OptionError, match="p = 2: it must be in the bounds 0 to 1") as caught:

@@ -226,7 +226,7 @@ def test_a_block_on_a_belt_sticks_until_the_spring_is_stronger():
 
 
 def test_inputs_and_switches_of_time():
-    (x,) = ss.states("x")
+    x = ss.state("x")
     ramp = ss.Switch("ramp", ss.t - 1.5)
     whole = ss.square("u", period=2) + ss.sawtooth("s", period=1) + ramp.side
     whole += ss.table("w", [0, 1, 3], [0, 2, 2]) + ss.pulse("p", period=1, width=0.25)
@@ -236,7 +236,7 @@ def test_inputs_and_switches_of_time():
 
 
 def test_a_failed_run_warns_and_keeps_what_it_has():
-    (x,) = ss.states("x")
+    x = ss.state("x")
     with pytest.warns(ss.SolverWarning, match="escaped"):
         sol = ss.solve_ivp(ss.System({x: x * x}), (0, 2), [1])
     assert sol.status == -1 and not sol.success
@@ -256,7 +256,7 @@ def test_a_pile_up_names_its_contacts_and_the_option():
 
 
 def test_errors_have_time_and_state():
-    (x,) = ss.states("x")
+    x = ss.state("x")
     with pytest.raises(ss.StickslipError) as raised:
         ss.solve_ivp(ss.System({x: np.log(x)}), (0, 1), [-1])
     assert raised.value.t == 0 and raised.value.y == [-1]
@@ -270,8 +270,100 @@ def test_errors_have_time_and_state():
 def test_a_future_that_is_not_unique_has_a_status_of_its_own():
     x, y = ss.states("x y")
     wall = ss.Contact("wall", boundary=x)
-    sol = ss.solve_ivp(ss.System({x: wall.side, y: 1}, contacts=[wall]), (0, 1), [0, 0])
-    assert sol.status == 2 and "no unique future" in sol.message
+    system = ss.System({x: wall.side, y: 1}, contacts=[wall])
+    with pytest.warns(ss.SolverWarning, match="no unique future after t = 0"):
+        sol = ss.solve_ivp(system, (0, 1), [0, 0])
+    assert sol.status == 2 and not sol.success and "no unique future" in sol.message
+
+
+def test_an_event_has_the_values_of_the_system():
+    x, v = ss.states("x v")
+    k, u = ss.parameter("k", 1.0), ss.square("u", period=3)
+    system = ss.System({x: v, v: -x + 0 * u + 0 * k})
+    for event in (x - k, x - u, ss.event(x - k / 2), x - 0.5 * ss.square("u", period=3.0)):
+        assert ss.solve_ivp(system, (0, 9), [0, 2], events=event).success
+    other = system.with_parameters(k=1.5)
+    for value in (1.0, 1.5):
+        found = ss.solve_ivp(other, (0, 9), [0, 2], events=x - ss.parameter("k", value))
+        assert np.allclose(found.y_events[0][:, 0], 1.5)
+    for wrong in (ss.parameter("k", 0.5), ss.square("u", period=2), ss.pulse("u", 3, 0.5)):
+        for call in (
+            lambda event: ss.solve_ivp(system, (0, 9), [0, 2], events=[v, event]),
+            lambda event: ss.poincare_map(system, event, [0, 2], returns=2),
+        ):
+            with pytest.raises(ValueError, match="in the system and .*use the system's symbol"):
+                call(x - wrong)
+    for wrong in (ss.parameter("v", 0.5), ss.state("k"), ss.parameter("u", 1.0)):
+        with pytest.raises(ValueError, match="give one of them another name"):
+            ss.solve_ivp(system, (0, 9), [0, 2], events=x - wrong)
+    with pytest.raises(ss.SystemError, match="unknown name `w`"):
+        ss.solve_ivp(system, (0, 9), [0, 2], events=x - ss.state("w"))
+    # A text may write the same otherwise.
+    text = system.to_toml().replace('period = "3.0"', "period = 3")
+    assert ss.solve_ivp(ss.System.from_toml(text), (0, 9), [0, 2], events=x - u).success
+
+
+def test_labelled_starts_go_by_their_names():
+    system, (x, v) = oscillator(), ss.states("x v")
+    wanted = ss.solve_ivp(system, (0, 5), {x: 1, v: 2}).y
+    for data, index in (([2, 1], ["v", "x"]), ([2, 1], [v, x]), ([1, 2], range(2))):
+        assert np.array_equal(ss.solve_ivp(system, (0, 5), labelled(data, index)).y, wanted)
+    for index, words in (
+        (["a", "b"], "y0 has a value of a|y0 has no value|y0 has a value of b"),
+        ([1, 2], r"the index of y0 has 1: .*y0.to_numpy\(\)"),
+        (["x", "x"], "a name twice"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            ss.solve_ivp(system, (0, 5), labelled([1, 2], index))
+    for masked in (np.ma.masked_array([1.0, 2.0], [False, True]), np.ma.masked_array([1.0, 2.0])):
+        with pytest.raises(TypeError, match=r"y0 is a masked array: .*y0.filled"):
+            ss.solve_ivp(system, (0, 5), masked)
+
+
+def labelled(data, index):
+    """A series as pandas has it, as far as it matters here."""
+
+    class Series(np.ndarray):
+        pass
+
+    series = np.asarray(data, dtype=float).view(Series)
+    series.index = index
+    return series
+
+
+def test_times_of_any_shape_and_solutions_as_keys():
+    sol = ss.solve_ivp(oscillator(), (0, 5), dense_output=True)
+    times = np.array([[0.5, 1.0, 1.5], [2.0, 2.5, 5.0]])
+    assert np.array_equal(sol.sol(times)[:, 1, 2], sol.sol(5.0))
+    assert sol.sol(times).shape == (2, 2, 3) and sol.sol([]).shape == (2, 0)
+    assert np.allclose(sol.sol(times)[0], np.cos(times), rtol=0, atol=1e-11)
+    other = ss.solve_ivp(oscillator(), (0, 5))
+    assert sol == sol and sol != other and len({sol, other, sol}) == 2
+    orbit = ss.periodic_orbit(oscillator(), [1, 0])
+    assert orbit == orbit and orbit in {orbit}
+
+
+def test_bounds_are_told_in_digits_that_distinguish_them():
+    with pytest.raises(ss.OptionError, match=r"t_eval\[1\] = 0.30000000000000004: .* 0 to 0.3$"):
+        ss.solve_ivp(oscillator(), (0, 0.3), t_eval=[0.1, 0.1 + 0.2])
+    with pytest.raises(ss.OptionError, match=r"t_span\[1\] = 0.1: .* t_span\[0\] = 0.1000000000000"):
+        ss.solve_ivp(oscillator(), (np.nextafter(0.1, 1), 0.1))
+    with pytest.raises(TypeError, match=r"not str; .*ss.System.from_toml\('belt'\)"):
+        ss.solve_ivp("belt", (0, 1), [1, 0])
+
+
+def test_events_end_a_run_in_any_order():
+    x, v = ss.states("x v")
+    early, late = ss.event(v, terminal=2), ss.event(x + 0.5, terminal=True)
+    runs = [
+        ss.solve_ivp(oscillator(), (0, 20), [0.9, 0.1], events=events, dense_output=True)
+        for events in ([late, early, x], [early, x, late], [x, late])
+    ]
+    for sol in runs:
+        assert sol.status == 1 and sol.y[0, -1] == pytest.approx(-0.5, abs=1e-13)
+        assert np.array_equal(sol.t, runs[-1].t) and np.array_equal(sol.y, runs[-1].y)
+    assert [len(found) for found in runs[0].t_events] == [1, 1, 1]
+    assert sol.sol.t_max == sol.t[-1]
 
 
 def test_import_is_fast_and_needs_numpy_only():

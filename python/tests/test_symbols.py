@@ -109,7 +109,13 @@ def test_numpy_works_on_symbols():
         (lambda x: np.clip(x, 0, 1), r"np.minimum\(np.maximum"),
         (lambda x: ss.Jump("hit", when=x, count=1.5), "count must be a whole number"),
         (lambda x: ss.System({x: x == 1}), "a comparison .*by_side"),
-        (lambda x: ss.System({ss.states("x"): 1}), "returns a tuple"),
+        (lambda x: ss.System({ss.states("x,"): 1}), "made by ss.states"),
+        (lambda x: np.where(x == ss.state("v"), 1.0, -1.0), "a comparison .*by_side"),
+        (lambda x: x + 1 == x, "a comparison .*by_side"),
+        (lambda x: "x" != x, "a comparison .*by_side"),
+        (lambda x: x == np.array([1.0, 2.0]), "a comparison .*by_side"),
+        (lambda x: np.array([1.0, 2.0]) == x, "np.equal of a formula.*by_side"),
+        (lambda x: ss.t == x, "a comparison .*by_side"),
         (lambda x: ss.System({x: 1}, contacts=["belt"]), "contacts must be made by ss.Contact"),
         (lambda x: ss.Jump("hit", when=x, set={"x": 1}), "'x' is no state"),
         (lambda x: ss.Jump("hit", when=x < 0), "with a direction"),
@@ -272,6 +278,78 @@ def test_one_contact_or_jump_needs_no_list_and_directions_are_words_or_signs():
     with pytest.raises(ValueError, match="direction = 'up'"):
         ss.event(x, "up")
     assert belt_system().with_parameters({ss.parameter("mu0", 0): 0.1}).parameters["mu0"] == 0.1
+
+
+def test_symbols_are_keys():
+    x, v = ss.states("x v")
+    k, other = ss.parameter("k", 1.0), ss.parameter("k", 2.0)
+    named = {x: 1, v: 2, k: 3, other: 4, ss.t: 5, x + v: 6}
+    assert (named[ss.state("x")], named[k], named[other], named[ss.t]) == (1, 3, 4, 5)
+    assert {x, ss.state("x"), v} == {v, x} and x == ss.state("x")
+    assert len({ss.Contact("c", v), ss.Contact("c", v), ss.Contact("c", v - 1)}) == 2
+
+
+def test_names_may_be_greek():
+    θ, ω = ss.states("θ ω")
+    k = ss.parameter("κ₀", 4.0)
+    floor = ss.Contact("μ", boundary=ω, friction=0.1)
+    push, flip = ss.pulse("ü", period=2, width=0.5), ss.Switch("σ", ss.t - 1)
+    wall = ss.Jump("ρ", when=θ - 2, set={ω: -ω})
+    rate = -k * θ - floor.friction + 0 * push + 0 * flip.side
+    system = ss.System({θ: ω, ω: rate}, contacts=[floor], jumps=[wall], start={θ: 1, "ω": 0})
+    assert system.states == ("θ", "ω") and system.parameters == {"κ₀": 4.0}
+    sol = ss.solve_ivp(system, (0, 1), {"θ": 1, ω: 0}, events=ω)
+    assert sol.y[0, -1] < 0.9 and ss.System.from_toml(system.to_toml()) == system
+    # The micro sign looks like the Greek letter and is the same name.
+    assert ss.state("\u00b5").name == "μ"
+    for name in ("x-1", "1x", "", "x̂", "a b"):
+        with pytest.raises(ValueError, match="is no name: a letter"):
+            ss.state(name)
+
+
+def test_a_single_name_is_a_single_state():
+    assert str(-ss.states("x")) == "-x"
+    assert ss.states("x,") == (ss.state("x"),) == ss.states(["x"])
+
+
+def test_a_formula_has_any_number_of_terms():
+    x = ss.state("x")
+    whole = sum((x for _ in range(30_000)), 0 * x)
+    system = ss.System({x: -whole / 30_000})
+    assert ss.solve_ivp(system, (0, 1), [1]).y[0, -1] == pytest.approx(np.exp(-1), rel=1e-9)
+
+
+def test_friction_is_not_negative():
+    v, mu = ss.state("v"), ss.parameter("mu", 0.4)
+    for laws in ({"friction": -0.4}, {"friction": 0.4, "static": -1}, {"friction": lambda _: -0.4}):
+        with pytest.raises(ss.OptionError, match="floor: (friction|static) = -.*at least 0"):
+            ss.Contact("floor", boundary=v, **laws)
+    floor = ss.Contact("floor", boundary=v, friction=mu * (2 - ss.t))
+    system = ss.System({v: np.cos(ss.t) - floor.friction}, contacts=[floor])
+    with pytest.warns(ss.SolverWarning, match="friction of floor is negative at t = ") as caught:
+        ss.solve_ivp(system, (0, 6), [1])
+    assert len(caught) == 1
+    plain = ss.Contact("floor", boundary=v, friction=mu)
+    plain = ss.System({v: np.cos(ss.t) - plain.friction}, contacts=[plain], start=[1])
+    with pytest.raises(ss.SystemError, match="`floor` is -1, but must not be negative"):
+        plain.with_parameters(mu=-1)
+    gone = ss.Contact("floor", boundary=v, friction=mu * (v - 2))
+    gone = ss.System({v: np.cos(ss.t) - gone.friction}, contacts=[gone])
+    assert "negative at t = 0, -0.4" in gone.check([1])[0] and gone.check([3]) == []
+
+
+def test_the_width_of_a_pulse_is_a_formula():
+    x, w = ss.state("x"), ss.parameter("w", 0.3)
+    system = ss.System({x: ss.pulse("u", period=2, width=w) - x}, period=2)
+    for width in (0.1, 0.6):
+        start = (np.exp(2 * width) - 1) / (np.exp(2) - 1)
+        orbit = ss.periodic_orbit(system.with_parameters(w=width), [0.0], t0=0.0)
+        assert orbit.period == 2 and orbit.y[0] == pytest.approx(start, abs=1e-10)
+    branch = ss.continuation(system, w, (0.1, 0.9), [0.2])
+    assert branch.parameter.min() == 0.1 and branch.parameter.max() == 0.9
+    assert np.allclose(branch.period, 2, rtol=0, atol=1e-12)
+    with pytest.raises(ss.SystemError, match="the width 1.2 is not between 0 and 1"):
+        system.with_parameters(w=1.2)
 
 
 def test_a_text_comes_back_as_it_is():

@@ -8,4 +8,5 @@ pub mod expression;
 pub mod file;
 pub mod kernel;
 pub mod study;
+pub mod text_table;
 pub mod trace;

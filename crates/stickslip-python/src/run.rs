@@ -7,12 +7,13 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
-    Modes, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition,
-    Vector,
+    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary,
+    Transition, Vector,
 };
 use stickslip::{Ending, Error, Options};
 use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::follow;
+use stickslip_kernels::study::FrictionWatch;
 
 use crate::errors::{failed, words};
 use crate::fields::{Fields, array};
@@ -57,49 +58,76 @@ impl Signals {
 /// which the run ends (0 for never).
 type Event<'py> = (PyRef<'py, System>, usize);
 
-/// Passages of one event, up to a time limit.
-struct Passages<'a> {
+/// Passages of one event.
+struct Passages {
     found: Vec<Passage>,
     /// Number of passages after which the run ends.
     most: usize,
-    limit: f64,
-    signals: &'a mut Signals,
 }
 
-impl Passages<'_> {
-    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
-        match progress {
-            OrbitProgress::Step => self.check_limit(&orbit.last_step()),
-            OrbitProgress::Passage(at) => self.passed(at),
-            _ => ControlFlow::Continue(()),
-        }
+impl Passages {
+    fn new(most: usize) -> Self {
+        let found = Vec::new();
+        Passages { found, most }
     }
 
-    fn passed(&mut self, at: Passage) -> ControlFlow<()> {
+    /// Keeps a passage before the limit. The one that ends the run becomes the limit.
+    fn passed(&mut self, at: Passage, limit: &mut f64) -> ControlFlow<()> {
         let t = at.t;
-        if t > self.limit {
+        if t > *limit {
             return ControlFlow::Break(());
         }
         self.found.push(at);
         if self.found.len() == self.most {
-            self.limit = t;
+            *limit = t;
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
     }
 
-    /// Ends the run behind the limit, and where a signal asks for it.
-    fn check_limit(&mut self, step: &Step) -> ControlFlow<()> {
-        if step.t_start > self.limit {
-            return ControlFlow::Break(());
+    /// The passage that ends the run.
+    fn terminal(&self) -> Option<&Passage> {
+        let last = self.found.last();
+        last.filter(|_| self.found.len() == self.most)
+    }
+}
+
+/// The same orbit with the section of another event, followed beside the recorded one.
+struct OtherEvent<'a> {
+    passages: Passages,
+    orbit: Box<dyn OrbitUnderWay + 'a>,
+    /// Start of its last step, before which all passages are known; infinite at its end.
+    reached: f64,
+}
+
+impl OtherEvent<'_> {
+    /// Finds all passages up to a time.
+    fn advance(&mut self, until: f64, limit: &mut f64) {
+        while self.reached < until {
+            let is_at_end = match self.orbit.step() {
+                Ok(OrbitProgress::Step) => {
+                    self.reached = self.orbit.last_step().t_start;
+                    false
+                }
+                Ok(OrbitProgress::Passage(at)) => self.passages.passed(at, limit).is_break(),
+                // The recorded run fails in the same way.
+                Ok(OrbitProgress::End(_)) | Err(_) => true,
+                Ok(_) => false,
+            };
+            if is_at_end {
+                self.reached = f64::INFINITY;
+            }
         }
-        self.signals.check_signals(step.t_end)
     }
 }
 
 /// Recording of an orbit for Python.
 struct Recording<'a> {
-    passages: Passages<'a>,
+    passages: Passages,
+    /// The run ends at this time.
+    limit: f64,
+    signals: &'a mut Signals,
+    friction: FrictionWatch<'a>,
     /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
     /// Requested times that are not yet reached, the next one last.
@@ -112,12 +140,17 @@ struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+    fn watch(
+        &mut self,
+        progress: OrbitProgress,
+        orbit: &mut dyn OrbitUnderWay,
+        others: &mut [OtherEvent<'_>],
+    ) -> ControlFlow<()> {
         match progress {
-            OrbitProgress::Step => return self.step(orbit),
-            OrbitProgress::Passage(at) => return self.passages.passed(at),
+            OrbitProgress::Step => return self.step(orbit, others),
+            OrbitProgress::Passage(at) => return self.passages.passed(at, &mut self.limit),
             OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
-            OrbitProgress::Transition(at) if at.t <= self.passages.limit => {
+            OrbitProgress::Transition(at) if at.t <= self.limit => {
                 self.transitions.push(at);
             }
             _ => {}
@@ -125,11 +158,22 @@ impl Recording<'_> {
         ControlFlow::Continue(())
     }
 
-    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
+    fn step(
+        &mut self,
+        orbit: &mut dyn OrbitUnderWay,
+        others: &mut [OtherEvent<'_>],
+    ) -> ControlFlow<()> {
         let step = orbit.last_step();
-        let decision = self.passages.check_limit(&step);
+        let decision = match step.t_start > self.limit {
+            true => ControlFlow::Break(()),
+            false => self.signals.check_signals(step.t_end),
+        };
         if decision.is_continue() {
+            let limit = &mut self.limit;
+            let others = others.iter_mut();
+            others.for_each(|other| other.advance(step.t_end, limit));
             self.points_of(&step, orbit);
+            self.friction.step(orbit);
             self.last = (step.t_end, step.x_end.clone());
         }
         if let Some(steps) = &mut self.steps {
@@ -164,6 +208,7 @@ impl Recording<'_> {
     /// Removes what lies after the event that ends the run.
     fn cut(&mut self, at: &Passage) {
         let wants_all = self.requested.is_none();
+        self.transitions.retain(|one| one.t <= at.t);
         self.points.retain(|(t, _)| *t <= at.t);
         if wants_all && self.points.last().is_none_or(|(t, _)| *t < at.t) {
             self.points.push((at.t, at.x.clone()));
@@ -187,17 +232,15 @@ struct Solved<'a> {
     is_terminated: bool,
 }
 
-/// Follows an orbit. Each event has its own section and its own run. The orbit is the same in all
-/// runs, and the last one records it.
+/// Follows an orbit. Each event has its own section. The orbit of the last one is recorded; those of
+/// the others are the same, and are followed beside it.
 fn solved<'a>(
-    systems: &[(&CompiledSystem, usize)],
+    systems: &[(&'a CompiledSystem, usize)],
     ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
-    (requested, keeps_steps, mut limit): (Option<Vec<f64>>, bool, f64),
+    (requested, keeps_steps, limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
 ) -> Result<Solved<'a>, Error> {
-    let mut terminal = None;
-    let mut events = Vec::new();
-    let [others @ .., (recorded, most)] = systems else {
+    let Some((&(recorded, most), others)) = systems.split_last() else {
         return Err(Error::NotConverged {
             what: "a run of no system",
             iterations: 0,
@@ -205,33 +248,25 @@ fn solved<'a>(
             wanted: 0.0,
         });
     };
-    for (system, most) in others {
-        let mut passages = Passages {
-            found: Vec::new(),
-            most: *most,
-            limit,
-            signals,
-        };
-        // The error is ignored here: the recorded run fails in the same way, if it reaches that
-        // point.
-        let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| passages.watch(progress, orbit);
-        let (dynamics, section) = (system.dynamics(), system.section());
-        let _ = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
-        let found = passages.found;
-        if *most > 0 && found.len() == *most {
-            terminal = found.last().cloned();
-            limit = passages.limit;
-        }
-        events.push(found);
-    }
     let start = (t, Vector::from_column_slice(x));
+    let begin = |&(system, most): &(&'a CompiledSystem, usize)| -> Result<_, Error> {
+        let at = Moment {
+            t,
+            x: start.1.clone(),
+        };
+        let (dynamics, section) = (system.dynamics(), system.section());
+        Ok(OtherEvent {
+            passages: Passages::new(most),
+            orbit: dynamics.begin(&at, t_end, options, &section)?,
+            reached: t,
+        })
+    };
+    let mut others: Vec<OtherEvent<'_>> = others.iter().map(begin).collect::<Result<_, _>>()?;
     let mut recording = Recording {
-        passages: Passages {
-            found: Vec::new(),
-            most: *most,
-            limit,
-            signals,
-        },
+        passages: Passages::new(most),
+        limit,
+        signals,
+        friction: FrictionWatch::new(recorded),
         points: match requested {
             None => vec![start.clone()],
             Some(_) => Vec::new(),
@@ -240,30 +275,30 @@ fn solved<'a>(
         phases: Vec::new(),
         transitions: Vec::new(),
         steps: keeps_steps.then(Vec::new),
-        last: start,
+        last: start.clone(),
     };
     if let Some(requested) = &mut recording.requested {
         while requested.pop_if(|time| *time == t).is_some() {
             recording.points.push(recording.last.clone());
         }
     }
-    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
+    let mut watcher =
+        |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit, &mut others);
     let (dynamics, section) = (recorded.dynamics(), recorded.section());
     let outcome = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
-    let found = std::mem::take(&mut recording.passages.found);
-    if *most > 0 && found.len() == *most {
-        terminal = found.last().cloned();
-    }
-    events.push(found);
+    let others = others.into_iter();
+    let mut events: Vec<Passages> = others.map(|other| other.passages).collect();
+    events.push(std::mem::replace(&mut recording.passages, Passages::new(0)));
+    let terminal = events.iter().filter_map(Passages::terminal);
+    let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
     if let Some(at) = &terminal {
         recording.cut(at);
-        events
-            .iter_mut()
-            .for_each(|found| found.retain(|one| one.t <= at.t));
+        let found = events.iter_mut().map(|event| &mut event.found);
+        found.for_each(|found| found.retain(|one| one.t <= at.t));
     }
     Ok(Solved {
         recording,
-        events,
+        events: events.into_iter().map(|event| event.found).collect(),
         outcome,
         is_terminated: terminal.is_some(),
     })
@@ -364,6 +399,7 @@ fn described<'py>(
     phases.rows("y_start", all.iter().map(|phase| &phase.x_start), states)?;
     phases.rows("y_end", all.iter().map(|phase| &phase.x_end), states)?;
     fields.fields("phases", phases)?;
+    fields.put("doubt", recording.friction.warning())?;
     let end = recording.last;
     let dense = recording.steps.map(|steps| Dense { steps, end });
     fields.put("sol", dense)?;

@@ -104,6 +104,11 @@ pub(super) struct StartArguments {
 }
 
 impl StartArguments {
+    /// Whether nothing is given.
+    pub(super) fn is_default(&self) -> bool {
+        self.start.is_empty() && self.t_start.is_none()
+    }
+
     /// Whether the start value of this state is given.
     pub(super) fn sets(&self, state: &str) -> bool {
         let mut given = self.start.iter().filter_map(|text| text.split_once('='));

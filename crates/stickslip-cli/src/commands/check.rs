@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use stickslip::Direction;
 use stickslip::error::readable;
 
-use super::arguments::SystemArguments;
+use super::arguments::{StartArguments, SystemArguments};
 use super::recording::direction_name;
 use super::sweeping::check_period;
 use super::tangents;
@@ -20,6 +20,9 @@ pub(super) struct Arguments {
     #[command(flatten)]
     system: SystemArguments,
 
+    #[command(flatten)]
+    start: StartArguments,
+
     /// Print the result as JSON
     #[arg(long)]
     json: bool,
@@ -27,11 +30,20 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     let system = arguments.system.system()?;
-    Ok(understood(&system).output(arguments.json))
+    // A file without a start is checked without one.
+    let start = match system.start().is_none() && arguments.start.is_default() {
+        true => None,
+        false => Some(arguments.start.of(&system)?),
+    };
+    let start = start.as_ref().map(|(t, x)| (*t, x.as_slice()));
+    Ok(understood(&system, start).output(arguments.json))
 }
 
+/// Time and state at the start, if they are known.
+type Start<'a> = Option<(f64, &'a [f64])>;
+
 /// Lists what was read, line by line.
-fn understood(system: &System) -> Report {
+fn understood(system: &System, start: Start<'_>) -> Report {
     let (file, built) = (&system.file, &system.built);
     let mut text = format!("{}\n", file.name);
     for row in file.description.iter().flat_map(|text| text.lines()) {
@@ -42,9 +54,9 @@ fn understood(system: &System) -> Report {
     report
         .system(system)
         .field("description", &file.description);
-    states(&mut report, system);
+    states(&mut report, system, start);
     parameters(&mut report, system);
-    contacts(&mut report, system);
+    contacts(&mut report, system, start);
     jumps_and_inputs(&mut report, system);
 
     let definitions = file.definitions.iter().map(|one| {
@@ -86,7 +98,7 @@ fn understood(system: &System) -> Report {
             json!({
                 "depends_on_time": built.depends_on_time,
                 "period": built.period,
-                "start": built.t_start,
+                "start": start.map_or(built.t_start, |(t, _)| t),
                 "end": built.t_end,
                 "unit": file.time.unit,
             }),
@@ -98,9 +110,9 @@ fn understood(system: &System) -> Report {
         let object = json!({ "function": function, "direction": direction });
         report.line("section", line).field("section", object);
     }
-    if let Some(start) = system.start() {
+    if let Some(start) = start {
         let lines = file.contacts.iter().enumerate().map(|(k, contact)| {
-            let (side, height) = whereabouts(system, k, &start);
+            let (side, height) = whereabouts(system, k, start);
             let (name, boundary, height) =
                 (&contact.name, &contact.boundary.text, readable(height));
             format!("{side} the boundary of {name} ({boundary} = {height})")
@@ -108,7 +120,7 @@ fn understood(system: &System) -> Report {
         report.lines("start", lines);
     }
     report.field("boundary", Value::Null);
-    if let Some((line, found)) = on_boundary(system) {
+    if let Some((line, found)) = on_boundary(system, start) {
         let (low, high) = (readable(line.range.0), readable(line.range.1));
         let (along, t) = (&file.states[line.along].name, readable(line.t));
         report
@@ -119,7 +131,7 @@ fn understood(system: &System) -> Report {
             .lines("", tangents::listing(system, &line, &found))
             .field("boundary", tangents::json(system, &line, &found));
     }
-    let warnings = all_warnings(system);
+    let warnings = all_warnings(system, start);
     report
         .field("doubtful", &warnings)
         .lines("doubtful", warnings);
@@ -132,9 +144,13 @@ fn suffix(parts: &[&str]) -> String {
     parts.map(|part| format!("  {part}")).collect()
 }
 
-fn states(report: &mut Report, system: &System) {
-    let states = system.file.states.iter().zip(&system.built.starts);
-    let states = states.map(|(state, &start)| {
+fn states(report: &mut Report, system: &System, start: Start<'_>) {
+    let starts = match start {
+        Some((_, x)) => x.iter().copied().map(Some).collect(),
+        None => system.built.starts.clone(),
+    };
+    let states = system.file.states.iter().zip(starts);
+    let states = states.map(|(state, start)| {
         let from = start.map(|start| format!(", starts at {}", readable(start)));
         let unit = match state.unit.as_str() {
             "" if state.is_discrete => " (discrete)".to_owned(),
@@ -181,7 +197,7 @@ fn parameters(report: &mut Report, system: &System) {
     report.list("parameters", parameters);
 }
 
-fn contacts(report: &mut Report, system: &System) {
+fn contacts(report: &mut Report, system: &System, start: Start<'_>) {
     let text = |formula: &Option<Formula>| formula.as_ref().map(|formula| formula.text.clone());
     let mut objects = Vec::new();
     for (k, contact) in system.file.contacts.iter().enumerate() {
@@ -201,8 +217,8 @@ fn contacts(report: &mut Report, system: &System) {
             .as_ref()
             .map(|text| format!("normal force      {text}{note}"));
         report.lines("", [slip, stick, normal].into_iter().flatten());
-        let start = system.start().map(|start| {
-            let (side, height) = whereabouts(system, k, &start);
+        let start = start.map(|start| {
+            let (side, height) = whereabouts(system, k, start);
             json!({ "side": side, "height": height })
         });
         objects.push(json!({
@@ -254,13 +270,26 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
                 shape,
                 period,
                 phase,
+                width,
                 ..
             } => {
-                let phase = phase.as_ref().map(|phase| &phase.text);
-                let suffix = phase.map_or_else(String::new, |phase| format!(", phase {phase}"));
+                let [phase, width] = [phase, width].map(|one| one.as_ref().map(|one| &one.text));
+                let suffix = |what: &str, of: Option<&String>| {
+                    of.map_or_else(String::new, |of| format!(", {what} {of}"))
+                };
+                let (of_phase, of_width) = (suffix("phase", phase), suffix("width", width));
                 (
-                    format!("{name}: {shape} of period {}{suffix}", period.text),
-                    json!({ "name": name, "shape": shape, "period": period.text, "phase": phase }),
+                    format!(
+                        "{name}: {shape} of period {}{of_width}{of_phase}",
+                        period.text
+                    ),
+                    json!({
+                        "name": name,
+                        "shape": shape,
+                        "period": period.text,
+                        "phase": phase,
+                        "width": width,
+                    }),
                 )
             }
             InputShape::Table(pieces) => {
@@ -278,8 +307,8 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
 }
 
 /// Side of a boundary on which the start lies, and the value of the boundary function there.
-fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str, f64) {
-    let height = system.boundary(contact, system.built.t_start, start);
+fn whereabouts(system: &System, contact: usize, (t, x): (f64, &[f64])) -> (&'static str, f64) {
+    let height = system.boundary(contact, t, x);
     let side = match height {
         height if height < 0.0 => "below",
         height if height > 0.0 => "above",
@@ -290,13 +319,15 @@ fn whereabouts(system: &System, contact: usize, start: &[f64]) -> (&'static str,
 
 /// Tangent points and stick zones, for a system of one contact and two states whose range is in the
 /// file.
-fn on_boundary(system: &System) -> Option<(BoundaryLine, Vec<(BoundaryLine, LineResults)>)> {
+fn on_boundary(
+    system: &System,
+    start: Start<'_>,
+) -> Option<(BoundaryLine, Vec<(BoundaryLine, LineResults)>)> {
     if system.contacts() != 1 || system.states() != 2 {
         return None;
     }
-    let (t, start) = (system.built.t_start, system.start()?);
     let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
-    let line = BoundaryLine::through(system, 0, None, everywhere, (t, &start))?;
+    let line = BoundaryLine::through(system, 0, None, everywhere, start?)?;
     let range = system.file.states[line.along].range?;
     let line = BoundaryLine { range, ..line };
     let found = line.scan(system);
@@ -304,13 +335,11 @@ fn on_boundary(system: &System) -> Option<(BoundaryLine, Vec<(BoundaryLine, Line
 }
 
 /// Warnings about a system, of which the first is of a wrong period.
-fn all_warnings(system: &System) -> Vec<String> {
+fn all_warnings(system: &System, start: Start<'_>) -> Vec<String> {
     let period = match (system.is_periodic(), check_period(system)) {
         (Some(false), Err(failure)) => Some(failure.to_string()),
         _ => None,
     };
-    let start = system.start();
-    let start = start.as_deref().map(|start| (system.built.t_start, start));
     let others = warnings(system, start, &CommandLine);
     period.into_iter().chain(others).collect()
 }

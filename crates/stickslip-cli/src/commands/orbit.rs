@@ -53,7 +53,9 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         .line("residual", format!("{:.1e}", orbit.residual))
         .field("residual", orbit.residual)
         .field("t", orbit.t)
-        .field("x", by_state(system, x));
+        .field("x", by_state(system, x))
+        .field("doubtful", &recording.doubt)
+        .lines("doubtful", recording.doubt.clone());
 
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(periods.is_none());

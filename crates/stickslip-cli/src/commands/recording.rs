@@ -11,6 +11,7 @@ use crate::render::input_name;
 use crate::terminal::DelayedProgressBar;
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::follow;
+use stickslip_kernels::study::FrictionWatch;
 
 /// Minimum number of parts of a step for a curve through the orbit. Steps of high order are long,
 /// so that a curve through their ends alone would be a polygon.
@@ -99,6 +100,8 @@ pub(super) struct Recording {
     /// Minimum and maximum of each state at the ends of steps so far.
     extent: Vec<(f64, f64)>,
     span: (f64, f64),
+    /// What looks wrong with the run.
+    pub(super) doubt: Option<String>,
     progress: DelayedProgressBar,
 }
 
@@ -122,11 +125,16 @@ impl Recording {
                 ends_step: true,
             }],
             span: (t, t_end),
+            doubt: None,
             progress: DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go"),
         };
+        let mut friction = FrictionWatch::new(system);
         let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
             match progress {
-                OrbitProgress::Step => recording.step(orbit),
+                OrbitProgress::Step => {
+                    recording.step(orbit);
+                    friction.step(orbit);
+                }
                 OrbitProgress::PhaseEnd(phase) => recording.phases.push(phase),
                 OrbitProgress::Transition(at) => {
                     recording.transitions.push(Occurrence::Transition(at));
@@ -140,6 +148,7 @@ impl Recording {
         let (dynamics, section) = (system.dynamics(), system.section());
         let ended = follow(dynamics, start, t_end, options, &section, &mut watcher);
         recording.progress.clear();
+        recording.doubt = friction.warning();
         (recording, ended)
     }
 

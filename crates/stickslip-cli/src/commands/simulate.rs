@@ -177,6 +177,9 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>) -> Re
     }
     report.field("x_end", last.map(|x| by_state(system, x.as_slice())));
 
+    report.field("doubtful", &recording.doubt);
+    report.lines("doubtful", recording.doubt.clone());
+
     if let Some(ended) = ended {
         let counters = &ended.counters;
         let (steps, rejected, calls) = (counters.steps, counters.rejected, counters.field_calls);

@@ -1,7 +1,5 @@
 //! Tables of numbers from text files and NumPy arrays.
 
-mod dialect;
-mod lines;
 mod npy;
 mod rows;
 mod time;
@@ -11,14 +9,11 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use stickslip::error::readable;
+use stickslip_kernels::text_table::TextTable;
 
-use dialect::Dialect;
-use lines::Lines;
 use rows::Rows;
+pub use stickslip_kernels::text_table::TableError;
 
-/// Number of lines from which the separator is detected. It is chosen: a header and comments are
-/// shorter.
-const SAMPLED_LINES: usize = 64;
 /// Maximum number of values that are read: 1 GiB.
 const MOST_VALUES: usize = 1 << 27;
 /// Values count as repeated if they differ by at most this fraction of the range of their column.
@@ -55,41 +50,6 @@ pub struct Grid {
     pub values: usize,
     /// Common divisor of all differences of the values, if there is one.
     pub step: Option<f64>,
-}
-
-/// Why there is no table.
-#[derive(Debug, thiserror::Error)]
-pub enum TableError {
-    /// The input cannot be read.
-    #[error(
-        "cannot read {input}: {source}; give the path of a text file of numbers or a .npy array, \
-            or - for standard input"
-    )]
-    Read {
-        /// Path, or `standard input`.
-        input: String,
-        /// Error of the operating system.
-        source: std::io::Error,
-    },
-    /// The file lacks a requested column, or a time between two rows.
-    #[error("{0}")]
-    Request(String),
-    /// The file is not a table of finite numbers. The message has the place and a remedy.
-    #[error("{0}")]
-    File(String),
-}
-
-impl TableError {
-    fn read(input: &str, source: std::io::Error) -> Self {
-        let input = input.to_owned();
-        TableError::Read { input, source }
-    }
-
-    fn empty(input: &str) -> Self {
-        TableError::File(format!(
-            "{input} holds no data: at least one row of numbers is needed"
-        ))
-    }
 }
 
 /// Reads the columns `wanted` (numbers from 1, or names; empty for all but a time column) of
@@ -161,39 +121,14 @@ pub fn parse(
     if npy::is_array(&mut source) {
         return npy::read(input, source, wanted, dt);
     }
-    let mut lines = Lines::new(&input, source)?;
-    let mut sample: Vec<(u64, String)> = Vec::new();
-    while sample.len() < SAMPLED_LINES
-        && let Some((number, text)) = lines.next()?
-    {
-        sample.push((number, text.to_owned()));
-    }
-    let Some((line, first)) = sample.first() else {
-        return Err(TableError::empty(&input));
-    };
-    let (dialect, note) = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()))
-        .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
-    let cells = dialect.cells(first);
-    let count = cells.len();
-    // A header is a first line without numbers.
-    let is_header = cells.iter().all(|cell| dialect.number(cell).is_none());
-    let header = if is_header {
-        Some(cells)
-    } else {
-        let comment = lines.comment.as_deref();
-        comment.and_then(|text| dialect.header(text, count))
-    };
-    let names = header.map(|names| names.iter().map(str::to_owned).collect());
-    let mut rows = Rows::new(&input, count, names, wanted)?;
-    for (number, text) in sample.iter().skip(usize::from(is_header)) {
-        rows.push(*number, &dialect.cells(text), &dialect)?;
-    }
-    while let Some((number, text)) = lines.next()? {
-        rows.push(number, &dialect.cells(text), &dialect)?;
+    let mut text = TextTable::new(&input, source)?;
+    let mut rows = Rows::new(&input, text.columns, text.names.take(), wanted)?;
+    while let Some((line, cells)) = text.row()? {
+        rows.push(line, &cells, &text.dialect)?;
     }
     let mut table = rows.finish(dt)?;
-    table.notes.extend(note.map(str::to_owned));
-    table.notes.extend(lines.gap.map(|line| {
+    table.notes.extend(text.note.map(str::to_owned));
+    table.notes.extend(text.gap().map(|line| {
         format!(
             "line {line} is blank, and the numbers behind it are read as the same series: cut the \
                 file there if they are another one"

@@ -2,9 +2,9 @@
 
 use csv::StringRecord;
 use stickslip::error::readable;
+use stickslip_kernels::text_table::Dialect;
 use stickslip_series::MAX_COLUMNS;
 
-use super::dialect::Dialect;
 use super::{MOST_VALUES, Table, TableError, time};
 
 /// Names of a column that holds the time.

@@ -1223,10 +1223,10 @@ x = ""
 v = ""
 [contacts.belt]
 boundary = "v - 0.2"
-friction = "-0.3"
+friction = "0.3"
 [field]
 x = "v"
-v = "-x - friction(belt)"
+v = "-x + friction(belt)"
 [start]
 x = 0
 v = 0.2
@@ -1250,6 +1250,78 @@ end = 20
             "--out",
             "o",
         ])
+        .assert()
+        .success();
+}
+
+#[test]
+fn friction_that_becomes_negative_is_told_by_check_and_by_a_run() {
+    let top = folder();
+    // N = -57.7 and less: with this friction no motion of the rod is consistent.
+    let rod = r#"
+name = "Falling rod"
+[states]
+x = "m"
+th = "rad"
+v = "m/s"
+om = "rad/s"
+[parameters]
+mu = 1.5
+g = 9.81
+[definitions]
+N = "(g - om^2*sin(th))/(1 + 3*cos(th)^2 + 3*mu*tip*cos(th)*sin(th))"
+T = "-friction(tip)"
+al = "3*(T*sin(th) - N*cos(th))"
+[contacts.tip]
+boundary = "v"
+friction = "mu*N"
+[jumps.flat]
+when = "th - 0.1"
+direction = "falling"
+stop = true
+[field]
+x = "v"
+th = "om"
+v = "T + al*sin(th) + om^2*cos(th)"
+om = "al"
+[time]
+end = 3
+"#;
+    std::fs::write(top.path().join("rod.toml"), rod).unwrap();
+    let start = [
+        "--start", "x=0", "--start", "th=1.4", "--start", "v=0", "--start", "om=0",
+    ];
+    let found = json(top.path(), &[&["check", "rod.toml"], &start[..]].concat());
+    assert_eq!(found["states"][1]["start"], 1.4);
+    assert_eq!(found["doubtful"].as_array().unwrap().len(), 0, "{found}");
+    // Where it spins fast enough, the tip would lift.
+    let spun = [
+        &["check", "rod.toml"],
+        &start[..6],
+        &["--start", "om=4", "--t-start", "1"],
+    ];
+    let found = json(top.path(), &spun.concat());
+    let doubt = found["doubtful"][0].as_str().unwrap();
+    assert!(
+        doubt.contains("friction of tip is negative at t = 1, -"),
+        "{doubt}"
+    );
+    let run = [&["simulate", "rod.toml", "--out", "o"], &start[..]].concat();
+    let doubt = json(top.path(), &run)["doubtful"]
+        .as_str()
+        .map(str::to_owned);
+    let doubt = doubt.unwrap_or_default();
+    assert!(
+        doubt.contains("friction of tip is negative at t = "),
+        "{doubt}"
+    );
+    program(top.path())
+        .args(["check", "rod.toml", "--start", "x=0"])
+        .assert()
+        .code(2)
+        .stderr(contains("the start has no value of `th`"));
+    program(top.path())
+        .args(["check", "rod.toml"])
         .assert()
         .success();
 }

@@ -88,8 +88,13 @@ impl Graph {
         self.nodes[id.index()]
     }
 
+    /// The number that is computed so, if there is one.
+    pub(super) fn find(&self, node: Node) -> Option<Id> {
+        self.ids.get(&node).copied()
+    }
+
     fn add(&mut self, node: Node) -> Id {
-        if let Some(&id) = self.ids.get(&node) {
+        if let Some(id) = self.find(node) {
             return id;
         }
         let id = Id::of(self.nodes.len());
@@ -282,10 +287,7 @@ impl Graph {
 
     /// Adds a node, unless it or the one with exchanged operands exists already.
     fn commutative(&mut self, node: Node, exchanged: Node) -> Id {
-        match self.ids.get(&exchanged) {
-            Some(&id) => id,
-            None => self.add(node),
-        }
+        self.find(exchanged).unwrap_or_else(|| self.add(node))
     }
 
     /// For every index, whether the number is one of `roots` or an operand of them at any depth.

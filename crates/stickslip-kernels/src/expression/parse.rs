@@ -78,14 +78,15 @@ impl<'a> Parser<'a> {
         operand: fn(&mut Self) -> Parsed,
         operators: [(Token, Binary); 2],
     ) -> Parsed {
-        let mut left = operand(self)?;
+        let first = operand(self)?;
+        let mut rest = Vec::new();
         loop {
             let mut operators = operators.iter();
             let Some((_, operator)) = operators.find(|(token, _)| self.take(token).is_some())
             else {
-                return Ok(left);
+                return Ok(joined(first, rest));
             };
-            left = joined(*operator, left, operand(self)?);
+            rest.push((*operator, operand(self)?));
         }
     }
 
@@ -129,13 +130,13 @@ impl<'a> Parser<'a> {
                 kind: ExpressionKind::Number(f64::from(*n)),
                 span: place.clone(),
             };
-            return Ok(joined(Binary::Power, base, exponent));
+            return Ok(joined(base, vec![(Binary::Power, exponent)]));
         }
         if self.take(&Token::Power).is_none() {
             return Ok(base);
         }
         let exponent = self.signed()?;
-        Ok(joined(Binary::Power, base, exponent))
+        Ok(joined(base, vec![(Binary::Power, exponent)]))
     }
 
     fn atom(&mut self) -> Parsed {
@@ -233,10 +234,12 @@ impl<'a> Parser<'a> {
     }
 }
 
-fn joined(operator: Binary, left: Expression, right: Expression) -> Expression {
-    let span = left.span.start..right.span.end;
+fn joined(first: Expression, rest: Vec<(Binary, Expression)>) -> Expression {
+    let Some((_, last)) = rest.last() else {
+        return first;
+    };
     Expression {
-        kind: ExpressionKind::Binary(operator, Box::new(left), Box::new(right)),
-        span,
+        span: first.span.start..last.span.end,
+        kind: ExpressionKind::Chain(Box::new(first), rest),
     }
 }

@@ -351,9 +351,8 @@ impl<'a> Layout<'a> {
 
     /// A further call with the same argument that comes after `i`.
     fn partner(&self, i: usize, function: Function, a: Id) -> Option<usize> {
-        let wanted = Node::Call(function, a);
-        (i + 1..self.is_used.len())
-            .find(|&k| self.is_used[k] && self.graph.node(Id::of(k)) == wanted)
+        let other = self.graph.find(Node::Call(function, a))?.index();
+        (other > i && self.is_used[other]).then_some(other)
     }
 
     /// The register of an operand; a constant is loaded into one.

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use stickslip::math;
+
 /// An expression, or a subexpression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expression {
@@ -20,8 +22,9 @@ pub enum ExpressionKind {
     Name(String),
     /// The negative of an expression.
     Negative(Box<Expression>),
-    /// Two expressions joined by an operator.
-    Binary(Binary, Box<Expression>, Box<Expression>),
+    /// A first operand, and operators of one precedence with the operands behind them, which group
+    /// to the left. They are a list, so that the depth of a tree does not grow with its terms.
+    Chain(Box<Expression>, Vec<(Binary, Expression)>),
     /// A function call.
     Call {
         /// Name of the function.
@@ -46,4 +49,17 @@ pub enum Binary {
     Quotient,
     /// `a ^ b`
     Power,
+}
+
+impl Binary {
+    /// Value of the operation.
+    pub fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Binary::Sum => a + b,
+            Binary::Difference => a - b,
+            Binary::Product => a * b,
+            Binary::Quotient => a / b,
+            Binary::Power => math::pow(a, b),
+        }
+    }
 }

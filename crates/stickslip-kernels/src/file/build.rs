@@ -10,7 +10,7 @@ use super::problem::Problem;
 use super::{Formula, InputShape, Rate, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, Shape, Switching, sides_to_check,
+    Combination, Fields, HELD_PER_INPUT, Input, Jump, Shape, Switching, pulse, sides_to_check,
 };
 
 /// The tapes of a system.
@@ -296,6 +296,16 @@ fn switching(
         made.push(Input {
             clock: tape(file, graph, &[clock], inputs)?,
             shape: match &entry.shape {
+                InputShape::Periodic {
+                    width: Some(width), ..
+                } => {
+                    let width =
+                        Builder::new(file, inputs, graph, scope).of_input(width, "width")?;
+                    match graph.value(width) {
+                        Some(width) => Shape::Repeated(pulse(width).to_vec()),
+                        None => Shape::Pulse(tape(file, graph, &[width], inputs)?),
+                    }
+                }
                 InputShape::Periodic { pieces, .. } => Shape::Repeated(pieces.clone()),
                 InputShape::Table(pieces) => Shape::Once(pieces.clone()),
                 InputShape::Switch(_) => Shape::Sign,
@@ -333,6 +343,21 @@ fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
             None => return discrete,
         }
     }
+}
+
+/// The tape of the friction of each contact in a combination, as a size; `None` if all are constant.
+pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> Option<Tape> {
+    let (mut graph, inputs) = (Graph::new(), Inputs::fixed(values));
+    let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides(of));
+    let contacts = 0..file.contacts.len();
+    let sizes: Vec<Id> = contacts
+        .map(|contact| builder.size(contact))
+        .collect::<Result<_, _>>()
+        .ok()?;
+    let varies = sizes.iter().any(|&size| graph.value(size).is_none());
+    varies
+        .then(|| tape(file, &graph, &sizes, inputs).ok())
+        .flatten()
 }
 
 /// The tape of the field of one combination, and whether it depends on time.

@@ -78,6 +78,14 @@ impl<'a> Inputs<'a> {
     }
 }
 
+/// Part of an expression: whether it is a number as written, and its position.
+pub(super) type Operand = (bool, Range<usize>);
+
+pub(super) fn of_operand(operand: &Expression) -> Operand {
+    let is_plain = matches!(operand.kind, ExpressionKind::Number(_));
+    (is_plain, operand.span.clone())
+}
+
 /// State of a named part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Progress {
@@ -96,7 +104,13 @@ pub(super) struct Builder<'a> {
     frictions: Vec<Progress>,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
+    /// Levels of nesting so far.
+    depth: usize,
 }
+
+/// Most levels of nesting, through brackets and definitions, so that recursion does not overflow the
+/// stack of a thread. It is chosen: files written by hand have far fewer.
+const MOST_DEPTH: usize = 300;
 
 type BuildResult = Result<Id, Problem>;
 
@@ -115,6 +129,7 @@ impl<'a> Builder<'a> {
             definitions: vec![Progress::NotYet; file.definitions.len()],
             frictions: vec![Progress::NotYet; file.contacts.len()],
             sided: 0,
+            depth: 0,
         }
     }
 
@@ -161,6 +176,18 @@ impl<'a> Builder<'a> {
     }
 
     pub(super) fn expression(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
+        self.depth += 1;
+        if self.depth > MOST_DEPTH {
+            let message = format!("nested deeper than {MOST_DEPTH} levels, definitions included");
+            return Err(Problem::new(message, formula.at(&expression.span))
+                .help("write what is repeated as states, or as one sum"));
+        }
+        let built = self.built(formula, expression);
+        self.depth -= 1;
+        built
+    }
+
+    fn built(&mut self, formula: &Formula, expression: &Expression) -> BuildResult {
         let place = formula.at(&expression.span);
         let value = match &expression.kind {
             ExpressionKind::Number(value) => self.graph.constant(*value),
@@ -169,12 +196,21 @@ impl<'a> Builder<'a> {
                 let inner = self.expression(formula, inner)?;
                 self.graph.negative(inner)
             }
-            ExpressionKind::Binary(operator, left, right) => {
-                let a = self.expression(formula, left)?;
-                let b = self.expression(formula, right)?;
-                let value = self.graph.binary(*operator, a, b);
-                let operands = [(&**left, a), (&**right, b)];
-                return value.map_err(|error| self.not_finite(error, formula, place, &operands));
+            ExpressionKind::Chain(first, rest) => {
+                let (mut id, start) = (self.expression(formula, first)?, first.span.start);
+                // The part so far, as an operand of the next.
+                let mut part = of_operand(first);
+                for (operator, operand) in rest {
+                    let next = self.expression(formula, operand)?;
+                    let value = self.graph.binary(*operator, id, next);
+                    let whole = start..operand.span.end;
+                    let operands = [(part, id), (of_operand(operand), next)];
+                    id = value.map_err(|error| {
+                        self.not_finite(error, formula, formula.at(&whole), &operands)
+                    })?;
+                    part = (false, whole);
+                }
+                return Ok(id);
             }
             ExpressionKind::Call {
                 function,
@@ -194,12 +230,11 @@ impl<'a> Builder<'a> {
         error: NotANumber,
         formula: &Formula,
         place: Range<usize>,
-        operands: &[(&Expression, Id)],
+        operands: &[(Operand, Id)],
     ) -> Problem {
-        let operands = operands.iter().filter_map(|&(operand, id)| {
-            let is_plain = matches!(operand.kind, ExpressionKind::Number(_));
-            let value = self.graph.value(id).filter(|_| !is_plain)?;
-            Some((formula.part(&operand.span), value))
+        let operands = operands.iter().filter_map(|((is_plain, span), id)| {
+            let value = self.graph.value(*id).filter(|_| !is_plain)?;
+            Some((formula.part(span), value))
         });
         let operands: Vec<(String, f64)> = operands.collect();
         let problem = no_number(error, place);
@@ -294,8 +329,9 @@ impl<'a> Builder<'a> {
         Ok(made)
     }
 
-    /// The period or phase of an input, which must be constant so that its clock runs uniformly.
-    fn of_input(&mut self, formula: &Formula, what: &str) -> BuildResult {
+    /// The period, phase or width of an input, which must be constant so that its clock runs
+    /// uniformly.
+    pub(super) fn of_input(&mut self, formula: &Formula, what: &str) -> BuildResult {
         let made = self.formula(formula)?;
         if self.graph.depends_on_time(made) {
             let message = format!("the {what} of an input cannot depend on time");
@@ -316,6 +352,11 @@ impl<'a> Builder<'a> {
                 formula.whole(),
             )
             .help("it is the time after which the input comes again")),
+            Some(width) if what == "width" && !(width > 0.0 && width < 1.0) => {
+                let message = format!("the width {} is not between 0 and 1", readable(width));
+                Err(Problem::new(message, formula.whole())
+                    .help("it is the part of the period in which the pulse is 1"))
+            }
             _ => Ok(made),
         }
     }
@@ -410,7 +451,8 @@ impl<'a> Builder<'a> {
         };
         let id = self.expression(formula, argument)?;
         let value = self.graph.call(known, id);
-        value.map_err(|error| self.not_finite(error, formula, place, &[(argument, id)]))
+        let operands = [(of_operand(argument), id)];
+        value.map_err(|error| self.not_finite(error, formula, place, &operands))
     }
 
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -432,18 +474,35 @@ impl<'a> Builder<'a> {
         }
         let above = self.side(number, place.clone())?;
         let contact = &self.file.contacts[number];
-        let Some(slip) = &contact.friction else {
+        if contact.friction.is_none() {
             return Err(Problem::new(
                 format!("contact `{}` has no friction law", contact.name),
                 place,
             )
             .also(contact.place.clone(), "this contact")
             .help("write friction = \"…\" there: how large friction is in slip"));
+        }
+        let size = self.size(number)?;
+        let force = if above {
+            Ok(size)
+        } else {
+            self.graph.negative(size)
+        };
+        force.map_err(|error| no_number(error, place))
+    }
+
+    /// The size of the friction of a contact in this mode: its law, or zero if it has none or the
+    /// normal force is not positive.
+    pub(super) fn size(&mut self, number: usize) -> BuildResult {
+        let contact = &self.file.contacts[number];
+        let Some(slip) = &contact.friction else {
+            let zero = self.graph.constant(0.0);
+            return zero.map_err(|error| no_number(error, contact.place.clone()));
         };
         let is_held = matches!(self.scope, Scope::Sides(of) if of.held & 1 << number != 0);
         let law = contact.holding.as_ref().filter(|_| is_held).unwrap_or(slip);
-        let size = match self.frictions[number] {
-            Progress::Done(id) => id,
+        match self.frictions[number] {
+            Progress::Done(id) => return Ok(id),
             Progress::UnderWay => {
                 let message = format!(
                     "the friction of contact `{}` depends on itself",
@@ -451,24 +510,26 @@ impl<'a> Builder<'a> {
                 );
                 return Err(Problem::new(message, law.whole()));
             }
-            Progress::NotYet => {
-                self.frictions[number] = Progress::UnderWay;
-                let mut id = self.formula(law)?;
-                if let Some(force) = &contact.normal_force {
-                    let force = self.formula(force)?;
-                    let made = self.graph.where_positive(force, id);
-                    id = made.map_err(|error| no_number(error, law.whole()))?;
-                }
-                self.frictions[number] = Progress::Done(id);
-                id
-            }
-        };
-        let force = if above {
-            Ok(size)
-        } else {
-            self.graph.negative(size)
-        };
-        force.map_err(|error| no_number(error, place))
+            Progress::NotYet => self.frictions[number] = Progress::UnderWay,
+        }
+        let mut id = self.formula(law)?;
+        if let Some(value) = self.graph.value(id).filter(|value| *value < 0.0) {
+            let message = format!(
+                "the friction of contact `{}` is {}, but must not be negative",
+                contact.name,
+                readable(value)
+            );
+            return Err(Problem::new(message, law.whole()).help(
+                "it is a size, and acts against the slip; the sign of what it does stands in [field]",
+            ));
+        }
+        if let Some(force) = &contact.normal_force {
+            let force = self.formula(force)?;
+            let made = self.graph.where_positive(force, id);
+            id = made.map_err(|error| no_number(error, law.whole()))?;
+        }
+        self.frictions[number] = Progress::Done(id);
+        Ok(id)
     }
 
     fn by_side(

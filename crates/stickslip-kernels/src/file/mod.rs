@@ -39,8 +39,8 @@
 //! `[discrete]` lists states that change only in jumps, each with its start.
 //!
 //! `[inputs.NAME]` describes a function of time alone by its `shape`. The shapes `square`,
-//! `triangle`, `sawtooth` and `pulse` (with `width`) have a `period`, and a `phase` in fractions of
-//! it. The shape `table` has `times` and `values`, or a `file`, and `between`. `[switches.NAME]` is
+//! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse has
+//! a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`. `[switches.NAME]` is
 //! the sign of a `function` of time.
 
 mod build;
@@ -223,8 +223,10 @@ pub enum InputShape {
     Periodic {
         /// Name of the shape.
         shape: String,
-        /// The pieces over one period, in fractions of it.
+        /// The pieces over one period, in fractions of it. Those of a pulse follow from its width.
         pieces: Vec<Piece>,
+        /// The fraction of the period in which a pulse is 1.
+        width: Option<Formula>,
         /// The period.
         period: Formula,
         /// The phase at time 0, as a fraction of the period; 0 by default.

@@ -82,6 +82,9 @@ impl Problem {
                     .map(|help| format!("help: {help}"))
                     .collect(),
             );
+        if let Some(text) = self.in_long_line(&source.text) {
+            return format!("{}\n  ┌─ {}:{text}", self.message, source.name);
+        }
         let file = SimpleFile::new(source.name.as_str(), source.text.as_str());
         let config = term::Config::default();
         match term::emit_into_string(&config, &file, &diagnostic) {
@@ -90,7 +93,23 @@ impl Problem {
             Err(_) => self.message.clone(),
         }
     }
+
+    /// Line and column of a fault in a line that is too long to be shown, and the advice.
+    fn in_long_line(&self, text: &str) -> Option<String> {
+        let before = text.get(..self.place.start)?;
+        let start = before.rfind('\n').map_or(0, |end| end + 1);
+        let is_long = text[start..].lines().next()?.len() > MOST_LINE_BYTES;
+        let help = self.help.iter().map(|help| format!("\n  = help: {help}"));
+        let (line, column) = (
+            before.matches('\n').count(),
+            before[start..].chars().count(),
+        );
+        is_long.then(|| format!("{}:{}{}", line + 1, column + 1, help.collect::<String>()))
+    }
 }
+
+/// Longest line that is shown, in bytes. It is chosen: lines written by hand are shorter.
+const MOST_LINE_BYTES: usize = 1000;
 
 /// The text of a file and its name.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,12 +1,15 @@
 //! Reads discrete states, jumps, and inputs that depend on time alone.
 
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
 use super::table::{Entry, Table, listed};
 use super::{InputEntry, InputShape, JumpEntry, StateEntry};
-use crate::kernel::Piece;
+use crate::kernel::{Piece, pulse};
+use crate::text_table::{TableError, TextTable};
 
 /// The periodic shapes and their pieces over one period.
 const SHAPES: [&str; 5] = ["square", "triangle", "sawtooth", "pulse", "table"];
@@ -110,6 +113,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     let entry = table.need("shape", wanted)?;
     let shape = entry.text()?;
     let piece = |from: f64, value: f64, slope: f64| Piece { from, value, slope };
+    let mut width = None;
     let pieces = match shape {
         "square" => vec![piece(0.0, 1.0, 0.0), piece(0.5, -1.0, 0.0)],
         "triangle" => vec![
@@ -120,14 +124,9 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         "sawtooth" => vec![piece(0.0, 0.0, 1.0)],
         "pulse" => {
             table.only(&["shape", "period", "phase", "width"])?;
-            let width = table.need("width", "the part of the period in which it is 1")?;
-            let part = width.finite()?;
-            if !(part > 0.0 && part < 1.0) {
-                let message = format!("the width {part} is not between 0 and 1");
-                return Err(Problem::new(message, width.place())
-                    .help("it is the part of the period in which the pulse is 1"));
-            }
-            vec![piece(0.0, 1.0, 0.0), piece(part, 0.0, 0.0)]
+            let wanted = table.need("width", "the part of the period in which it is 1")?;
+            width = Some(wanted.formula()?);
+            pulse(0.5).to_vec()
         }
         "table" => return points(source, table),
         other => {
@@ -144,6 +143,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     Ok(InputShape::Periodic {
         shape: shape.to_owned(),
         pieces,
+        width,
         period: period.formula()?,
         phase: table.get("phase").map(Entry::formula).transpose()?,
     })
@@ -177,12 +177,19 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         return Err(Problem::new(message, place)
             .help("it needs two at least; what is constant is a parameter"));
     }
-    if let Some(pair) = times.windows(2).find(|pair| pair[0] >= pair[1]) {
+    // Two points at one time are a step.
+    let is_wrong = |&k: &usize| times[k - 1] > times[k] || k > 1 && times[k - 2] == times[k];
+    if let Some(k) = (1..times.len()).find(is_wrong) {
         let message = format!(
-            "the times are not in order: {} comes before {}",
-            pair[0], pair[1]
+            "the times are not in order: {} comes before {}, as number {k} and {} of {}",
+            times[k - 1],
+            times[k],
+            k + 1,
+            times.len()
         );
-        return Err(Problem::new(message, place).help("each time is larger than the one before"));
+        return Err(Problem::new(message, place).help(
+            "times rise; two points at one time are a step, from the first value to the second",
+        ));
     }
     let between = table.get("between");
     let is_linear = match between
@@ -210,7 +217,8 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
             _ => 0.0,
         },
     };
-    let pieces = std::iter::once(first).chain((0..times.len()).map(part));
+    let parts = (0..times.len()).filter(|&k| times.get(k + 1) != Some(&times[k]));
+    let pieces = std::iter::once(first).chain(parts.map(part));
     Ok(InputShape::Table(pieces.collect()))
 }
 
@@ -220,23 +228,19 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
     let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
     let path = folder.join(name);
     let wrong = |message: String| Problem::new(message, entry.place());
-    let reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .trim(csv::Trim::All)
-        .comment(Some(b'#'))
-        .from_path(&path);
-    let mut reader = reader.map_err(|error| {
+    let file = File::open(&path).map_err(|error| {
         wrong(format!("cannot read {}: {error}", path.display()))
             .help("its path begins in the folder of this file")
     })?;
+    let input = path.display().to_string();
+    let refused = |error: TableError| wrong(error.to_string());
+    let mut table = TextTable::new(&input, BufReader::new(file)).map_err(refused)?;
     let (mut times, mut values) = (Vec::new(), Vec::new());
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| wrong(format!("{}: {error}", path.display())))?;
+    while let Some((line, cells)) = table.row().map_err(refused)? {
         let number = |column: usize| {
-            let cell = record.get(column).unwrap_or_default();
-            let number = cell.parse::<f64>().ok();
-            let found = number.filter(|value| value.is_finite());
+            let cell = cells.get(column).unwrap_or_default();
+            let found = table.dialect.number(cell);
+            let found = found.filter(|value| value.is_finite());
             found.ok_or_else(|| match cell {
                 "" => format!("has no {}", ["time", "value"][column]),
                 _ => format!("has `{cell}`, which is no finite number"),
@@ -247,12 +251,11 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
                 times.push(t);
                 values.push(value);
             }
-            // A header row.
-            _ if row == 0 => {}
             (Err(what), _) | (_, Err(what)) => {
-                let message = format!("{}: row {} {what}", path.display(), row + 1);
-                return Err(wrong(message)
-                    .help("a row is a time and a value, two numbers with a comma between them"));
+                return Err(wrong(format!("{input}: line {line} {what}")).help(
+                    "a row is a time and a value, two numbers with a comma, a semicolon or spaces \
+                     between them",
+                ));
             }
         }
     }

@@ -12,6 +12,7 @@ use stickslip::{Direction, Scalar};
 use super::build::{self, Built};
 use super::builder::{Freed, NONE_FREE};
 use super::{FileError, Problem, SystemFile, did_you_mean};
+use crate::expression::Tape;
 use crate::kernel::{
     Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, dynamics,
     sides_to_check,
@@ -394,6 +395,12 @@ impl System {
         let x = self.built.switching.extended(t.value(), x);
         self.built.fields.evaluate(of, t, &x, &mut rates);
         rates
+    }
+
+    /// The tape of the friction of each contact in a combination, as a size. `None` if all are
+    /// constant.
+    pub(crate) fn frictions(&self, of: Combination) -> Option<Tape> {
+        build::frictions(&self.file, &self.values, of)
     }
 
     /// The boundary function of a contact, and its derivative with respect to one state.

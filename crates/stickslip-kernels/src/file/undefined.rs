@@ -1,6 +1,6 @@
 //! Which part of a formula is not a number at a state.
 
-use super::builder::{Builder, Inputs, Scope};
+use super::builder::{Builder, Inputs, Operand, Scope, of_operand};
 use super::formula::{not_finite, where_operands};
 use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
@@ -88,14 +88,6 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// The first undefined part of some formulas with their keys.
-    fn first<'f>(
-        &self,
-        mut formulas: impl Iterator<Item = (String, &'f Formula)>,
-    ) -> Option<String> {
-        formulas.find_map(|(key, formula)| self.part(&key, formula, &formula.tree))
-    }
-
     /// The value of an expression; `None` if it cannot be built.
     fn value(&self, formula: &Formula, expression: &Expression) -> Option<f64> {
         let (mut graph, file) = (Graph::new(), &self.system.file);
@@ -112,74 +104,107 @@ impl<'a> Evaluation<'a> {
         Some(value[0])
     }
 
-    /// The undefined part of an expression whose operands are defined.
-    fn part(&self, key: &str, formula: &Formula, whole: &Expression) -> Option<String> {
-        let value = self
-            .value(formula, whole)
-            .filter(|value| !value.is_finite())?;
-        let named = match &whole.kind {
-            ExpressionKind::Name(name) => self.in_definition(name),
+    /// The undefined part, with defined operands, of the first of some formulas that is undefined.
+    /// The formulas have their keys.
+    fn first(&self, formulas: impl Iterator<Item = (String, &'a Formula)>) -> Option<String> {
+        let wholes = formulas.map(|(key, formula)| (key, formula, &formula.tree));
+        let (mut part, mut value) = self.undefined(wholes)?;
+        while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
+            (part, value) = inner;
+        }
+        let (key, formula, whole) = part;
+        let with_value = |one| Some((of_operand(one), self.value(formula, one)?));
+        let operands = operands(whole).into_iter().map(with_value);
+        let mut operands: Vec<(Operand, f64)> = operands.collect::<Option<_>>().unwrap_or_default();
+        let mut span = whole.span.clone();
+        if let ExpressionKind::Chain(_, rest) = &whole.kind {
+            // The shortest leading part that is undefined, and its two operands.
+            let mut all = operands.into_iter();
+            operands = all.next().into_iter().collect();
+            for ((operator, _), right) in rest.iter().zip(all) {
+                let left = operands.swap_remove(0);
+                value = operator.of(left.1, right.1);
+                span = left.0.1.start..right.0.1.end;
+                operands = vec![((false, span.clone()), value)];
+                if !value.is_finite() {
+                    operands = vec![left, right];
+                    break;
+                }
+            }
+        }
+        let operands = operands.into_iter().filter(|((is_plain, _), _)| !is_plain);
+        let operands = operands.map(|((_, span), value)| (formula.part(&span), value));
+        let operands = where_operands(&operands.collect::<Vec<_>>());
+        let (part, what) = (formula.part(&span), not_finite(value));
+        Some(format!("in {key}, `{part}` is {what}{operands}"))
+    }
+
+    /// The first of some parts that is undefined, and its value.
+    fn undefined(&self, mut parts: impl Iterator<Item = Part<'a>>) -> Option<(Part<'a>, f64)> {
+        parts.find_map(|part| {
+            let value = self.value(part.1, part.2)?;
+            (!value.is_finite()).then_some((part, value))
+        })
+    }
+
+    /// What a part is made of: a definition, the laws of a contact, or operands.
+    fn inside(&self, (key, formula, whole): &Part<'a>) -> Vec<Part<'a>> {
+        let file = &*self.system.file;
+        let meaning = |name: &String| file.names.get(name);
+        let named = |(key, formula): (String, &'a Formula)| (key, formula, &formula.tree);
+        match &whole.kind {
+            ExpressionKind::Name(name) => match meaning(name) {
+                Some(Meaning::Definition(number)) => {
+                    let key = format!("`{name}` of [definitions]");
+                    vec![named((key, &file.definitions[number].formula))]
+                }
+                _ => Vec::new(),
+            },
             ExpressionKind::Call {
                 function,
                 arguments,
                 ..
             } if function == "friction" => {
-                let contact = arguments.first();
-                contact.and_then(|contact| self.in_friction(contact))
+                let contact = arguments.first().and_then(|contact| match &contact.kind {
+                    ExpressionKind::Name(name) => meaning(name),
+                    _ => None,
+                });
+                let Some(Meaning::Contact(number)) = contact else {
+                    return Vec::new();
+                };
+                let contact = &file.contacts[number];
+                let laws = [
+                    ("friction", &contact.friction),
+                    ("normal_force", &contact.normal_force),
+                ];
+                let laws = laws.into_iter();
+                let laws = laws.filter_map(|(key, law)| {
+                    let law = law.as_ref()?;
+                    Some(named((of_contact(key, contact), law)))
+                });
+                laws.collect()
             }
-            _ => None,
-        };
-        if named.is_some() {
-            return named;
+            _ => {
+                let operands = operands(whole).into_iter();
+                operands.map(|one| (key.clone(), *formula, one)).collect()
+            }
         }
-        let operands: Vec<&Expression> = match &whole.kind {
-            ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
-            ExpressionKind::Negative(inner) => vec![&**inner],
-            ExpressionKind::Binary(_, a, b) => vec![&**a, &**b],
-            ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
-            ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
-        };
-        let in_operand = operands.iter().find_map(|one| self.part(key, formula, one));
-        in_operand.or_else(|| {
-            let is_plain = |one: &&Expression| matches!(one.kind, ExpressionKind::Number(_));
-            let operands = operands.into_iter().filter(|one| !is_plain(one));
-            let operands = operands.filter_map(|one| {
-                let value = self.value(formula, one)?;
-                Some((formula.part(&one.span), value))
-            });
-            let operands = where_operands(&operands.collect::<Vec<_>>());
-            let (part, what) = (formula.part(&whole.span), not_finite(value));
-            Some(format!("in {key}, `{part}` is {what}{operands}"))
-        })
     }
+}
 
-    fn in_definition(&self, name: &str) -> Option<String> {
-        let file = &self.system.file;
-        let Some(Meaning::Definition(number)) = file.names.get(name) else {
-            return None;
-        };
-        let formula = &file.definitions[number].formula;
-        self.part(
-            &format!("`{name}` of [definitions]"),
-            formula,
-            &formula.tree,
-        )
-    }
+/// A part of a formula: the formula's key, the formula and the part.
+type Part<'a> = (String, &'a Formula, &'a Expression);
 
-    fn in_friction(&self, contact: &Expression) -> Option<String> {
-        let ExpressionKind::Name(name) = &contact.kind else {
-            return None;
-        };
-        let file = &self.system.file;
-        let Some(Meaning::Contact(number)) = file.names.get(name) else {
-            return None;
-        };
-        let contact = &file.contacts[number];
-        let laws = [
-            ("friction", &contact.friction),
-            ("normal_force", &contact.normal_force),
-        ];
-        let laws = laws.into_iter();
-        self.first(laws.filter_map(|(key, law)| Some((of_contact(key, contact), law.as_ref()?))))
+/// The operands of an expression. The contact of a friction is none.
+fn operands(whole: &Expression) -> Vec<&Expression> {
+    match &whole.kind {
+        ExpressionKind::Number(_) | ExpressionKind::Name(_) => Vec::new(),
+        ExpressionKind::Negative(inner) => vec![&**inner],
+        ExpressionKind::Chain(first, rest) => {
+            let rest = rest.iter().map(|(_, operand)| operand);
+            std::iter::once(&**first).chain(rest).collect()
+        }
+        ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
+        ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
     }
 }

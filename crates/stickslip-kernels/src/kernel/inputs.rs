@@ -1,5 +1,7 @@
 //! Inputs that depend on time alone, and jumps, as tapes.
 
+use std::borrow::Cow;
+
 use stickslip::dynamics::Jumps;
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
@@ -26,6 +28,8 @@ pub enum Shape {
     Repeated(Vec<Piece>),
     /// Pieces that do not repeat. The first extends back without limit.
     Once(Vec<Piece>),
+    /// A [`pulse`] whose width is computed from the state, in which a parameter may be.
+    Pulse(Tape),
     /// The sign of the clock.
     Sign,
 }
@@ -39,6 +43,18 @@ pub struct Piece {
     pub value: f64,
     /// Change per unit of the clock.
     pub slope: f64,
+}
+
+/// The pieces of an input that is 1 in a fraction of each period, then 0. Its values are NaN unless
+/// the fraction is between 0 and 1.
+pub fn pulse(width: f64) -> [Piece; 2] {
+    let is_valid = width > 0.0 && width < 1.0;
+    let piece = |from: f64, value: f64| Piece {
+        from,
+        value: if is_valid { value } else { f64::NAN },
+        slope: 0.0,
+    };
+    [piece(0.0, 1.0), piece(width, 0.0)]
 }
 
 /// Rounding error of a clock, in units in the last place: of a quotient and a sum, with a margin of
@@ -73,26 +89,55 @@ impl Input {
         reading + CLOCK_ULPS * f64::EPSILON * (1.0 + reading.abs())
     }
 
+    /// The pieces between kinks; none for a sign.
+    fn pieces(&self, t: f64, x: &[f64]) -> Cow<'_, [Piece]> {
+        match &self.shape {
+            Shape::Repeated(pieces) | Shape::Once(pieces) => pieces.into(),
+            Shape::Pulse(width) => {
+                let mut out = [0.0];
+                width.evaluate(t, x, &mut out);
+                pulse(out[0]).to_vec().into()
+            }
+            Shape::Sign => Cow::default(),
+        }
+    }
+
+    /// The function of time and state that has whole values, or those of a piece's start, at the
+    /// kinks near a moment.
+    fn kink_function<T: Scalar>(&self, t: T, x: &[T]) -> T {
+        let reading = self.reading(t, x);
+        let Shape::Pulse(width) = &self.shape else {
+            return reading;
+        };
+        let mut out = [T::zero()];
+        width.evaluate(t, x, &mut out);
+        let [width] = out;
+        let (part, fall) = (reading.value() - reading.value().floor(), width.value());
+        // Not halfway between two kinks, where an orbit may well begin.
+        let is_near_fall = part > 0.382 * fall && part < fall + 0.618 * (1.0 - fall);
+        if is_near_fall {
+            reading - width
+        } else {
+            reading
+        }
+    }
+
     /// The numbers held from a time on.
     pub fn held(&self, t: f64, x: &[f64]) -> [f64; HELD_PER_INPUT] {
         let line = |piece: &Piece, turns: f64| match piece.slope {
             0.0 => [piece.value, 0.0],
             slope => [piece.value - slope * (turns + piece.from), slope],
         };
-        match &self.shape {
-            Shape::Sign => [self.sign(t, x), 0.0],
-            Shape::Once(pieces) => {
-                let reading = self.rounded_up(t, x);
-                let behind = pieces.partition_point(|piece| piece.from <= reading);
-                line(&pieces[behind.max(1) - 1], 0.0)
-            }
-            Shape::Repeated(pieces) => {
-                let reading = self.rounded_up(t, x);
-                let turns = reading.floor();
-                let behind = pieces.partition_point(|piece| piece.from <= reading - turns);
-                line(&pieces[behind.max(1) - 1], turns)
-            }
-        }
+        let (reading, pieces) = match &self.shape {
+            Shape::Sign => return [self.sign(t, x), 0.0],
+            _ => (self.rounded_up(t, x), self.pieces(t, x)),
+        };
+        let turns = match &self.shape {
+            Shape::Once(_) => 0.0,
+            _ => reading.floor(),
+        };
+        let behind = pieces.partition_point(|piece| piece.from <= reading - turns);
+        line(&pieces[behind.max(1) - 1], turns)
     }
 
     /// The next kink, if it is not after `t_end`.
@@ -101,11 +146,10 @@ impl Input {
         let target = match &self.shape {
             Shape::Sign => return self.next_change(t, x, t_end),
             Shape::Once(pieces) => pieces
-                .iter()
-                .map(|piece| piece.from)
-                .find(|from| *from > reading),
-            Shape::Repeated(pieces) => {
-                let turns = reading.floor();
+                .get(pieces.partition_point(|piece| piece.from <= reading))
+                .map(|piece| piece.from),
+            _ => {
+                let (pieces, turns) = (self.pieces(t, x), reading.floor());
                 let froms = pieces.iter().map(|piece| turns + piece.from);
                 froms.chain([turns + 1.0]).find(|from| *from > reading)
             }
@@ -307,7 +351,7 @@ impl<const N: usize> Jumps<N> for Switching {
     }
 
     fn clock<T: Scalar>(&self, input: usize, t: T, x: &[T; N]) -> T {
-        self.inputs[input].reading(t, x)
+        self.inputs[input].kink_function(t, x)
     }
 
     fn hold(&self, input: usize, t: f64, x: &mut [f64]) {

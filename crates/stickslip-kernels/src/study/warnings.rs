@@ -3,12 +3,13 @@
 use stickslip::error::{Point, readable};
 use stickslip::{Direction, Error};
 
+use super::friction::negative_at;
 use super::tangents::{BoundaryLine, RateJumps};
 use crate::file::{Interface, System};
 
-/// Warnings about a system. They concern friction in the wrong direction, and static friction below
-/// that in slip; friction is evaluated on the boundary of every contact, next to the start. They
-/// also concern jumps that cannot happen soon after the start, and boundaries of several contacts
+/// Warnings about a system. They concern friction that is negative at the start or in the wrong
+/// direction, and static friction below that in slip; friction is evaluated on the boundary of every
+/// contact, next to the start. They also concern jumps that cannot happen soon after the start, and boundaries of several contacts
 /// that vanish together and are dependent there. Without a start only the last are checked.
 pub fn warnings(
     system: &System,
@@ -18,7 +19,10 @@ pub fn warnings(
     let mut warnings = Vec::new();
     if let Some(start) = start {
         let contacts = 0..system.contacts();
-        warnings.extend(contacts.filter_map(|contact| warning_of_contact(system, contact, start)));
+        warnings.extend(contacts.filter_map(|contact| {
+            let negative = negative_at(system, contact, start);
+            negative.or_else(|| warning_of_contact(system, contact, start))
+        }));
         let jumps = 0..system.file.jumps.len();
         warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
     }

@@ -287,18 +287,17 @@ fn a_table_whose_file_is_wrong_is_reported() {
         "{absent}"
     );
     for (content, message) in [
-        ("t,f\n0,0\n1\n", "row 3 has no value"),
-        ("t,f\n0,0\n,1\n", "row 3 has no time"),
+        ("t,f\n0,0\n1\n", "line 3 has no value"),
+        ("t,f\n0,0\n,1\n", "line 3 has no time"),
         (
             "t,f\n0,0\n1,much\n",
-            "row 3 has `much`, which is no finite number",
+            "line 3 has `much`, which is no finite number",
         ),
         (
             "t,f\n0,0\n1,NaN\n",
-            "row 3 has `NaN`, which is no finite number",
+            "line 3 has `NaN`, which is no finite number",
         ),
-        ("0;0\n1;2\n", "row 2 has `1;2`, which is no finite number"),
-        ("0,0\n1,2\n1,3\n", "not in order: 1 comes before 1"),
+        ("0,0\n1,2\n1,3\n1,4\n", "not in order: 1 comes before 1"),
         ("t,f\n", "a table of 0 points"),
         ("t,f\n0,0\n", "a table of 1 points"),
     ] {

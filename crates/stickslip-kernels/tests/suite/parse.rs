@@ -8,15 +8,17 @@ fn printed(expression: &Expression) -> String {
         ExpressionKind::Number(value) => value.to_string(),
         ExpressionKind::Name(name) => name.clone(),
         ExpressionKind::Negative(inner) => format!("(-{})", printed(inner)),
-        ExpressionKind::Binary(operator, a, b) => {
-            let sign = match operator {
-                Binary::Sum => "+",
-                Binary::Difference => "-",
-                Binary::Product => "*",
-                Binary::Quotient => "/",
-                Binary::Power => "^",
-            };
-            format!("({}{sign}{})", printed(a), printed(b))
+        ExpressionKind::Chain(first, rest) => {
+            rest.iter().fold(printed(first), |left, (operator, right)| {
+                let sign = match operator {
+                    Binary::Sum => "+",
+                    Binary::Difference => "-",
+                    Binary::Product => "*",
+                    Binary::Quotient => "/",
+                    Binary::Power => "^",
+                };
+                format!("({left}{sign}{})", printed(right))
+            })
         }
         ExpressionKind::Call {
             function,
@@ -69,10 +71,10 @@ fn every_branch_knows_its_place() {
     let text = "a + (b - θ)*2";
     let whole = parse(text).unwrap();
     assert_eq!(whole.span, 0..text.len());
-    let ExpressionKind::Binary(_, _, product) = &whole.kind else {
+    let ExpressionKind::Chain(_, rest) = &whole.kind else {
         panic!("a sum")
     };
-    assert_eq!(&text[product.span.clone()], "(b - θ)*2");
+    assert_eq!(&text[rest[0].1.span.clone()], "(b - θ)*2");
 }
 
 #[test]

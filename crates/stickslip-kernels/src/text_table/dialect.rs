@@ -4,7 +4,7 @@ use csv::StringRecord;
 
 /// Separator of columns, and whether numbers have a decimal comma.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Dialect {
+pub struct Dialect {
     /// Separator of columns. `None` means any number of spaces and tabs.
     separator: Option<char>,
     has_decimal_comma: bool,
@@ -15,8 +15,9 @@ impl Dialect {
     /// commas are decimal ones. The very first line counts only if it contains a number, or is the
     /// only line.
     ///
-    /// # Errors Why the columns cannot be distinguished.
-    pub(super) fn sense<'t>(
+    /// # Errors
+    /// Why the columns cannot be distinguished.
+    pub fn sense<'t>(
         lines: impl Iterator<Item = &'t str>,
     ) -> Result<(Self, Option<&'static str>), &'static str> {
         let mut sample: Vec<&str> = lines.collect();
@@ -61,7 +62,7 @@ impl Dialect {
     }
 
     /// The cells of a line, without spaces around them and without quotes.
-    pub(super) fn cells(&self, line: &str) -> StringRecord {
+    pub fn cells(&self, line: &str) -> StringRecord {
         match self.separator {
             None => line.split_whitespace().map(unquoted).collect(),
             Some(separator) if line.contains('"') => quoted(line, separator),
@@ -71,7 +72,7 @@ impl Dialect {
 
     /// The names in a comment, if there are `count` and none is a number. Properties of the file as
     /// Octave writes them (`# columns: 1`) are no names.
-    pub(super) fn header(&self, comment: &str, count: usize) -> Option<StringRecord> {
+    pub fn header(&self, comment: &str, count: usize) -> Option<StringRecord> {
         let mut words = comment.split_whitespace();
         if words.next().is_some_and(|word| word.ends_with(':')) && words.next().is_some() {
             return None;
@@ -86,7 +87,7 @@ impl Dialect {
     }
 
     /// The number in a cell.
-    pub(super) fn number(&self, cell: &str) -> Option<f64> {
+    pub fn number(&self, cell: &str) -> Option<f64> {
         if self.has_decimal_comma
             && let Some(pointed) = with_point(cell)
         {
@@ -96,7 +97,7 @@ impl Dialect {
     }
 
     /// Name of the separator, for messages.
-    pub(super) fn separated_by(&self) -> &'static str {
+    pub fn separated_by(&self) -> &'static str {
         match self.separator {
             None => "spaces",
             Some(';') => "semicolons",
