@@ -217,16 +217,21 @@ fn blocks_of_a_share_that_another_process_computes_are_not_removed() {
     let blocks = || fs::read_dir(folder.path().join("blocks")).unwrap().count();
     assert_eq!(blocks(), plan.blocks());
     let begun = Writer::open(folder.path(), &plan, Share::new(1, 2).unwrap()).unwrap();
-    let whole = Writer::open(folder.path(), &plan, Share::WHOLE).unwrap();
-    let error = whole.remove_blocks(Share::WHOLE).unwrap_err();
+    let removed = |command: &str| Writer::remove_sweep(folder.path(), command);
+    let error = removed(&plan.command).unwrap_err();
     assert!(
         matches!(&error, SweepError::Busy { share, .. } if share == "1/2"),
         "{error}"
     );
     assert_eq!(blocks(), plan.blocks());
     drop(begun);
-    whole.remove_blocks(Share::WHOLE).unwrap();
+    let error = removed("another").unwrap_err();
+    assert!(matches!(error, SweepError::Differs { .. }), "{error}");
+    assert_eq!(blocks(), plan.blocks());
+    removed(&plan.command).unwrap();
     assert_eq!(blocks(), 0);
+    // Without its manifest the folder is free for another sweep.
+    Writer::check(folder.path(), &super::common::plan(3, 1)).unwrap();
 }
 
 /// What a command reports about its blocks: how many it has computed and found.
@@ -272,4 +277,14 @@ fn a_branch_begins_anew_on_request() {
         .success();
     assert!(!further.exists());
     assert_eq!(text(folder.path().join("out/branch.csv")), table);
+    // Also with other options, and before a branch of equilibria, which saves nothing.
+    let mut longer = branch.to_vec();
+    longer.extend(["--step", "0.05"]);
+    program(folder.path()).args(&longer).assert().failure();
+    longer.push("--fresh");
+    program(folder.path()).args(&longer).assert().success();
+    assert!(text(folder.path().join("out/branch.csv")) != table);
+    longer.extend(["--equilibrium", "--set", "vp=2", "--start", "x=0.4,y=0"]);
+    program(folder.path()).args(&longer).assert();
+    assert!(!folder.path().join("out/sweep/manifest.json").exists());
 }

@@ -4,7 +4,7 @@ use super::super::tangent::{Jump, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
 use super::settings::SpectrumOptions;
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, uncertainties};
 use super::volume::growth;
 use crate::dynamics::{
     Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
@@ -33,6 +33,8 @@ pub(super) struct Measurement<'a> {
     log_volume: f64,
     /// Integral of the divergence.
     divergence: f64,
+    /// End of the last step that the frame was carried over, when measuring.
+    reached: Option<Moment>,
     stick_time: f64,
     stick_entries: usize,
     collapses: usize,
@@ -58,6 +60,7 @@ impl<'a> Measurement<'a> {
             growth: Growth::new(count, 0.0, settings),
             log_volume: 0.0,
             divergence: 0.0,
+            reached: None,
             stick_time: 0.0,
             stick_entries: 0,
             collapses: 0,
@@ -70,6 +73,9 @@ impl<'a> Measurement<'a> {
     /// Resets the sums and keeps the frame.
     pub(super) fn begin_measuring(&mut self, t: f64) {
         self.frame.revive();
+        if let Some(shadow) = &mut self.frame.shadow {
+            shadow.begin_measuring();
+        }
         self.growth = Growth::new(self.frame.len(), t, self.settings);
         self.log_volume = 0.0;
         self.divergence = 0.0;
@@ -80,9 +86,18 @@ impl<'a> Measurement<'a> {
         self.is_settling = false;
     }
 
-    pub(super) fn finish(self, summary: Summary) -> Spectrum {
+    /// The spectrum of a run that has ended, early because of an error.
+    pub(super) fn finish(self, summary: Summary, ended: Option<Error>) -> Spectrum {
+        let shadow = self.frame.shadow.as_ref();
+        let bound = |j: usize| shadow.map_or(0.0, |shadow| shadow.bound(j));
+        let rounding: Vec<f64> = self.growth.order().into_iter().map(bound).collect();
         let (duration, exponents, convergence) = self.growth.finish(summary.t);
+        // Time in units in which the orbit and its frame settled before, or else of its steps.
+        let step = duration / self.parts.max(1) as f64;
+        let span = duration / self.settings.transient.max(step);
         Spectrum {
+            uncertainties: uncertainties(&exponents, &rounding, (duration, span)),
+            ended,
             exponents,
             convergence,
             volume_rate: self.log_volume / duration,
@@ -93,6 +108,12 @@ impl<'a> Measurement<'a> {
             duration,
             summary,
         }
+    }
+
+    /// Where the measured part of the run has arrived, if it is as long as this.
+    pub(super) fn reached(&self, least: f64) -> Option<Moment> {
+        let is_enough = |at: &&Moment| self.growth.elapsed(at.t) >= least;
+        self.reached.as_ref().filter(is_enough).cloned()
     }
 
     /// Adds the logarithms of the lengths that remained when the frame was made orthonormal.
@@ -250,6 +271,7 @@ impl Measurement<'_> {
         self.carry(step, orbit)?;
         if !self.is_settling {
             self.growth.tick(step.t_end);
+            self.reached = Some(step.end());
         }
         Ok(())
     }
