@@ -175,14 +175,23 @@ pub fn parse(
         .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
     let mut cells = dialect.cells(&sample[0].1);
     let mut skipped = None;
-    if let Some(Header { names, rows, columns }) = Header::of(&sample, &dialect) {
+    if let Some(Header {
+        names,
+        rows,
+        columns,
+    }) = Header::of(&sample, &dialect)
+    {
         skipped = Some(format!(
             "line {} is read as names of columns, and of the lines down to {} nothing else",
             sample[names].0,
             sample[rows - 1].0
         ));
         // Names of columns without numbers may follow, as of comments.
-        cells = dialect.cells(&sample[names].1).iter().take(columns).collect();
+        cells = dialect
+            .cells(&sample[names].1)
+            .iter()
+            .take(columns)
+            .collect();
         sample.drain(1..rows);
     }
     let count = cells.len();
@@ -369,8 +378,16 @@ mod tests {
         let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n\n\
             ***End_of_Header***\nX_Value\tu\tComment\n0.0\t1.5\n0.5\t2.5\n1.0\t3.0\n";
         for (text, names, values) in [
-            ("t,x\ns,V\n0,0.1\n1,0.2\n2,0.4\n", vec!["x"], vec![0.1, 0.2, 0.4]),
-            ("run 7\n\nt;x\n[s];[V]\n0;1\n1;2\n2;5\n", vec!["x"], vec![1.0, 2.0, 5.0]),
+            (
+                "t,x\ns,V\n0,0.1\n1,0.2\n2,0.4\n",
+                vec!["x"],
+                vec![0.1, 0.2, 0.4],
+            ),
+            (
+                "run 7\n\nt;x\n[s];[V]\n0;1\n1;2\n2;5\n",
+                vec!["x"],
+                vec![1.0, 2.0, 5.0],
+            ),
             (
                 labview,
                 vec!["X_Value", "u"],
@@ -378,12 +395,23 @@ mod tests {
             ),
         ] {
             let table = read(text, Some(1.0).filter(|_| names.len() > 1));
-            assert_eq!((&table.names[..], &table.values), (&names[..].iter().map(|n| n.to_string()).collect::<Vec<_>>()[..], &values));
+            assert_eq!(
+                (&table.names[..], &table.values),
+                (
+                    &names[..].iter().map(|n| n.to_string()).collect::<Vec<_>>()[..],
+                    &values
+                )
+            );
             assert!(table.notes[0].contains("nothing else"), "{:?}", table.notes);
         }
         // A wrong number in the first row is no header.
         let wrong = parse("f".into(), "t,x\n0,O.1\n1,0.2\n".as_bytes(), &[], None);
-        assert!(wrong.unwrap_err().to_string().contains("line 2, column 2 (x)"));
+        assert!(
+            wrong
+                .unwrap_err()
+                .to_string()
+                .contains("line 2, column 2 (x)")
+        );
     }
 
     #[test]
@@ -417,7 +445,10 @@ mod tests {
         for dt in [None, Some(1.0 / 30.0)] {
             let lost = rounded(1.0 / 30.0, 20, "t");
             let refused = parse("f".into(), lost.as_bytes(), &[], dt).unwrap_err();
-            assert!(refused.to_string().contains("the time goes from"), "{refused}");
+            assert!(
+                refused.to_string().contains("the time goes from"),
+                "{refused}"
+            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The orthonormal frame.
 
-use crate::analysis::cycle::unit;
 use super::rounding::Shadow;
+use crate::analysis::cycle::unit;
 use crate::dynamics::{Matrix, Vector};
 use crate::math;
 

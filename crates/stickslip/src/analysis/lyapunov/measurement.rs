@@ -22,6 +22,13 @@ const ACROSS_BOUNDARY: f64 = 1e-12;
 /// below it are zero.
 const MATRIX_ROUNDING: f64 = 1e-13;
 
+/// Number of parts of steps after which the rounding of vectors is measured again. Chosen: it takes
+/// the time of a further vector.
+const PARTS_PER_CHECK: u64 = 16;
+
+/// Transitions within the tolerances of one place after which their order is no more known. Chosen.
+const NARROW_TRANSITIONS: usize = 8;
+
 /// The frame and its sums.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
@@ -33,6 +40,8 @@ pub(super) struct Measurement<'a> {
     log_volume: f64,
     /// Integral of the divergence.
     divergence: f64,
+    /// A place, and the number of transitions since the orbit left the tolerances around it.
+    narrow: (Moment, usize),
     /// End of the last step that the frame was carried over, when measuring.
     reached: Option<Moment>,
     stick_time: f64,
@@ -60,6 +69,13 @@ impl<'a> Measurement<'a> {
             growth: Growth::new(count, 0.0, settings),
             log_volume: 0.0,
             divergence: 0.0,
+            narrow: (
+                Moment {
+                    t: 0.0,
+                    x: Vector::zeros(system.states()),
+                },
+                0,
+            ),
             reached: None,
             stick_time: 0.0,
             stick_entries: 0,
@@ -258,6 +274,26 @@ impl Measurement<'_> {
         });
     }
 
+    /// The error of a frame without an image. Where an orbit moves by less than its tolerances, the
+    /// rounding of its states decides on which side of a boundary they are.
+    pub(super) fn explained(&self, error: Error) -> Error {
+        let (Moment { t, x }, transitions) = &self.narrow;
+        match error {
+            Error::TangentSingular { .. } if *transitions >= NARROW_TRANSITIONS => {
+                let (t, x) = (*t, Point::from(x));
+                Error::Shrunk { t, x }
+            }
+            error => error,
+        }
+    }
+
+    fn is_at_place(&self, x: &Vector) -> bool {
+        let solver = &self.settings.solver;
+        let parts = x.iter().zip(&self.narrow.0.x);
+        let mut parts = parts.map(|(a, b)| (a - b).abs() <= solver.atol + solver.rtol * a.abs());
+        parts.all(|is_near| is_near)
+    }
+
     /// Carries the frame over the last step of an orbit.
     pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let is_stick = step.mode.any_sticks();
@@ -267,6 +303,9 @@ impl Measurement<'_> {
         }
         if is_stick {
             self.stick_time += step.t_end - step.t_start;
+        }
+        if !(self.is_at_place(&step.x_start) && self.is_at_place(&step.x_end)) {
+            self.narrow = (step.end(), 0);
         }
         self.carry(step, orbit)?;
         if !self.is_settling {
@@ -282,6 +321,13 @@ impl Measurement<'_> {
     /// errors of the longer ones. The step is then halved.
     fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let images = self.tangent.carried(step, self.frame.columns_mut());
+        if self.parts.is_multiple_of(PARTS_PER_CHECK) && self.frame.shadow.is_some() {
+            let sum = self.frame.columns_mut().iter().sum::<Vector>();
+            let of_sum = self.tangent.carried(step, &[sum]).swap_remove(0);
+            if let Some(shadow) = &mut self.frame.shadow {
+                shadow.note_rounding(&images, of_sum);
+            }
+        }
         let before = self.frame.replace(images);
         if step.mode.any_sticks() {
             self.stay_on_boundary(step);
@@ -318,6 +364,7 @@ impl Measurement<'_> {
 
     /// Carries the frame through a transition.
     pub(super) fn transition(&mut self, at: &Transition) -> Result<(), Error> {
+        self.narrow.1 += 1;
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at)? else {

@@ -68,7 +68,8 @@ use measurement::Measurement;
 /// Otherwise they have an error that falls as one over the duration.
 ///
 /// A measurement that ends early, by one of the errors below, yields what it has measured, with the
-/// error in [`Spectrum::ended`]. Before two blocks are complete it fails.
+/// error in [`Spectrum::ended`]. If it ends before two blocks are complete, the first half of the
+/// time until then is the transient, and the second half is measured.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
@@ -97,8 +98,34 @@ pub fn lyapunov_spectrum<Kind>(
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
     let start = Moment { t, x: x.vector() };
-    spectrum_of(&*system.dynamics(), start, settings)
+    let system = &*system.dynamics();
+    spectrum_of(system, start.clone(), settings).or_else(|error| {
+        // What ends the transient, or the measurement just after it, leaves the time before.
+        let place = error
+            .place()
+            .filter(|_| !matches!(error, Error::Interrupted { .. }));
+        let time = place.map_or(0.0, |(end, _)| PART_BEFORE_END * (end - start.t));
+        if time <= 0.0 {
+            return Err(error);
+        }
+        let shorter = SpectrumOptions {
+            transient: time,
+            duration: time,
+            ..*settings
+        };
+        match spectrum_of(system, start, &shorter) {
+            Ok(spectrum) if spectrum.ended.is_none() => Ok(Spectrum {
+                ended: Some(error),
+                ..spectrum
+            }),
+            _ => Err(error),
+        }
+    })
 }
+
+/// Part of a time that ends early which the frame settles in, and which is measured. Half would reach
+/// the end.
+const PART_BEFORE_END: f64 = 0.49;
 
 /// As [`lyapunov_spectrum`].
 pub(super) fn spectrum_of(
@@ -192,7 +219,7 @@ fn measured<'a>(
     let mut orbit = begin(&start, start.t + settings.duration, &settings.solver)?;
     match follow(&mut *orbit, &mut measurement) {
         Ok(summary) => Ok(measurement.finish(summary, None)),
-        Err(error @ Error::Interrupted { .. }) => Err(error),
+        Err(error @ (Error::Interrupted { .. } | Error::Shrunk { .. })) => Err(error),
         Err(error) => match measurement.reached(2.0 * block) {
             Some(Moment { t, x }) => {
                 let (ending, counters) = (Ending::Failed, orbit.counters());
@@ -216,6 +243,14 @@ fn whole(spectrum: Spectrum) -> Result<Spectrum, Error> {
 
 /// Integrates an orbit with the frame.
 fn follow(
+    orbit: &mut dyn OrbitUnderWay,
+    measurement: &mut Measurement<'_>,
+) -> Result<Summary, Error> {
+    let followed = carried(orbit, measurement);
+    followed.map_err(|error| measurement.explained(error))
+}
+
+fn carried(
     orbit: &mut dyn OrbitUnderWay,
     measurement: &mut Measurement<'_>,
 ) -> Result<Summary, Error> {

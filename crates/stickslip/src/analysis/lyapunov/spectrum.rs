@@ -127,7 +127,11 @@ pub(super) fn uncertainties(
     for group in numbers.chunk_by(is_one_group) {
         let largest = group.iter().map(|&j| rounding[j]).fold(0.0, f64::max);
         let power = (group.len() - 1) as f64 * math::ln(span.max(END_GROWTH));
-        all.extend(group.iter().map(|&j| own[j].max(largest.max(power) / duration)));
+        all.extend(
+            group
+                .iter()
+                .map(|&j| own[j].max(largest.max(power) / duration)),
+        );
     }
     all.resize(exponents.len(), 0.0);
     all
