@@ -27,7 +27,7 @@ const MATRIX_ROUNDING: f64 = 1e-13;
 const PARTS_PER_CHECK: u64 = 16;
 
 /// Transitions within the tolerances of one place after which their order is no more known. Chosen.
-const NARROW_TRANSITIONS: usize = 8;
+const NARROW_TRANSITIONS: usize = 4;
 
 /// The frame and its sums.
 pub(super) struct Measurement<'a> {

@@ -99,7 +99,8 @@ pub fn lyapunov_spectrum<Kind>(
 ) -> Result<Spectrum, Error> {
     let start = Moment { t, x: x.vector() };
     let system = &*system.dynamics();
-    spectrum_of(system, start.clone(), settings).or_else(|error| {
+    let all = system.states();
+    measured_alone(system, start.clone(), settings, all).or_else(|error| {
         // What ends the transient, or the measurement just after it, leaves the time before.
         let place = error
             .place()
@@ -114,26 +115,26 @@ pub fn lyapunov_spectrum<Kind>(
             ..*settings
         };
         match spectrum_of(system, start, &shorter) {
-            Ok(spectrum) if spectrum.ended.is_none() => Ok(Spectrum {
+            Ok(spectrum) => Ok(Spectrum {
                 ended: Some(error),
                 ..spectrum
             }),
-            _ => Err(error),
+            Err(_) => Err(error),
         }
     })
 }
 
-/// Part of a time that ends early which the frame settles in, and which is measured. Half would reach
-/// the end.
+/// Part of a time that ends early in which the frame settles, and part that is measured. Two halves
+/// would reach the end.
 const PART_BEFORE_END: f64 = 0.49;
 
-/// As [`lyapunov_spectrum`].
+/// As [`lyapunov_spectrum`], but a measurement that ends early is an error.
 pub(super) fn spectrum_of(
     system: &dyn Dynamics,
     start: Moment,
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
-    measured_alone(system, start, settings, system.states())
+    whole(measured_alone(system, start, settings, system.states())?)
 }
 
 /// The spectrum of so many vectors, without an observer.
@@ -167,7 +168,7 @@ pub fn largest_exponent<Kind>(
     let alone = whole(measured_alone(system, start.clone(), settings, 1)?)?.exponents[0];
     match alone {
         // Other vectors may survive the one that is annihilated.
-        Exponent::Annihilated => Ok(whole(spectrum_of(system, start, settings)?)?.exponents[0]),
+        Exponent::Annihilated => Ok(spectrum_of(system, start, settings)?.exponents[0]),
         Exponent::Finite { .. } => Ok(alone),
     }
 }
