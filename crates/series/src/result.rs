@@ -32,8 +32,8 @@ pub enum Status {
     /// nevertheless.
     Noisy,
     /// The points follow a flow, each step in about the direction of the one before, and no tangent
-    /// exponent is near zero. A flow has an exponent zero along itself. So neighbours are none, or a
-    /// direction is missing, as of a column that is not embedded in enough values.
+    /// exponent is near zero. A flow has an exponent zero along itself. So neighbours are none, or
+    /// a direction is missing, as of a column that is not embedded in enough values.
     WithoutZero,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8).
     /// The points are not states of a deterministic system, or noise is as large as the

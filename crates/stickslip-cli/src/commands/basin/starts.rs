@@ -69,8 +69,8 @@ impl Points {
     /// On a grid only the cells that the boundary of a basin cuts are wrong, and as many cells are
     /// cut as neighbours differ. Each pair of these has the variance 1/4, by the successive
     /// differences of systematic sampling (Wolter, *Introduction to Variance Estimation*, 2007,
-    /// Ch. 8). Along `n` cells in a row the boundary may be straight: all are then wrong by the same
-    /// part, which has the variance 1/12. A smooth curve has up to a third of the error then.
+    /// Ch. 8). Along `n` cells in a row the boundary may be straight: all are then wrong by the
+    /// same part, which has the variance 1/12. Errors of smooth curves are up to three times less.
     pub(super) fn std_error(&self, reached: &[u32], number: u32) -> f64 {
         let all = reached.len() as f64;
         let is_in = |point: usize| i8::from(reached[point] == number);

@@ -12,8 +12,8 @@ const LARGEST: f64 = 1e-4;
 /// difference of its exponents bounds the effect of rounding.
 ///
 /// Rounding `ε` changes `n` equal exponents that are coupled in a chain by up to `ε^(1/n)`, where
-/// it changes separate ones by `ε`. It has disturbed the first frame already. A disturbance of `2^n`
-/// roundings changes exponents twice as much as rounding does in a chain of `n` states, and more in
+/// it changes separate ones by `ε`. It has disturbed the first frame already. A disturbance of
+/// `2^n` roundings changes exponents twice as much as rounding does in a chain of `n` states, and more in
 /// a shorter one. The difference of the two frames is then at least the effect of rounding.
 #[derive(Clone, Debug)]
 pub(super) struct Shadow {

@@ -21,7 +21,8 @@ pub enum Exponent {
         /// The exponent, per unit of time.
         value: f64,
         /// Standard error from the means of the blocks and their correlations; infinite when fewer
-        /// than two were completed. It measures the fluctuation along a chaotic orbit, not the end effects of a
+        /// than two were completed. It measures the fluctuation along a chaotic orbit, not the end
+        /// effects of a
         /// non-integer number of periods of a periodic one.
         std_error: f64,
     },
