@@ -56,7 +56,8 @@ fn exponents_of_a_chain_of_equal_ones_are_as_uncertain_as_rounding_leaves_them()
 /// Where fields agree on a boundary through a focus, turns on its two sides last `π` and
 /// `2π/√3`, and the orbit shrinks by `exp(-π/√3)` on one of them.
 const DECAY: &str = "name = \"decay\"\n[states]\nx = \"\"\ny = \"\"\n\
-                     [contacts.c]\nboundary = \"x\"\n[field]\nx = \"y - by_side(c, 0, x)\"\ny = \"-x\"\n";
+                     [contacts.c]\nboundary = \"x\"\n\
+                     [field]\nx = \"y - by_side(c, 0, x)\"\ny = \"-x\"\n";
 
 #[test]
 fn a_decay_to_an_equilibrium_on_the_boundary_is_measured_as_long_as_it_is_resolved() {

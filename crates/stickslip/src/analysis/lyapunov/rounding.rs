@@ -13,8 +13,8 @@ const LARGEST: f64 = 1e-4;
 ///
 /// Rounding `ε` changes `n` equal exponents that are coupled in a chain by up to `ε^(1/n)`, where
 /// it changes separate ones by `ε`. It has disturbed the first frame already. A disturbance of
-/// `2^n` roundings changes exponents twice as much as rounding does in a chain of `n` states, and more in
-/// a shorter one. The difference of the two frames is then at least the effect of rounding.
+/// `2^n` roundings changes exponents twice as much as rounding does in a chain of `n` states, and
+/// more in a shorter one. The difference of the two frames is then at least the effect of rounding.
 #[derive(Clone, Debug)]
 pub(super) struct Shadow {
     states: usize,
