@@ -55,14 +55,16 @@ impl TableError {
 pub struct TextTable<'i, R> {
     /// How columns are separated and numbers written.
     pub dialect: Dialect,
-    /// A note on how commas are read, where that is not certain.
-    pub note: Option<&'static str>,
+    /// Notes on how the text is read, where that is not certain.
+    pub notes: Vec<String>,
     /// Number of columns in the first line.
     pub columns: usize,
     /// Their names, from a first line without numbers or the comment above the numbers.
     pub names: Option<Vec<String>>,
     /// The lines read ahead.
     sample: std::vec::IntoIter<(u64, String)>,
+    /// Line of the first row.
+    first_row: u64,
     lines: Lines<'i, R>,
 }
 
@@ -79,12 +81,25 @@ impl<'i, R: BufRead> TextTable<'i, R> {
         {
             sample.push((number, text.to_owned()));
         }
-        let Some((line, first)) = sample.first() else {
+        let Some((line, _)) = sample.first() else {
             return Err(TableError::empty(input));
         };
         let (dialect, note) = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()))
             .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
-        let cells = dialect.cells(first);
+        let mut cells = dialect.cells(&sample[0].1);
+        let mut notes: Vec<String> = note.map(str::to_owned).into_iter().collect();
+        if let Some(header) = Header::of(&sample, &dialect) {
+            let Header { names, rows, .. } = header;
+            notes.push(format!(
+                "line {} is read as names of columns, and of the lines down to {} nothing else",
+                sample[names].0,
+                sample[rows - 1].0
+            ));
+            // Names of columns without numbers may follow, as of comments.
+            let named = dialect.cells(&sample[names].1);
+            cells = named.iter().take(header.columns).collect();
+            sample.drain(1..rows);
+        }
         let columns = cells.len();
         // A header is a first line without numbers.
         let is_header = cells.iter().all(|cell| dialect.number(cell).is_none());
@@ -98,12 +113,14 @@ impl<'i, R: BufRead> TextTable<'i, R> {
         if is_header {
             sample.next();
         }
+        let first_row = sample.as_slice().first().map_or(0, |row| row.0);
         Ok(TextTable {
             dialect,
-            note,
+            notes,
             columns,
             names: header.map(|names| names.iter().map(str::to_owned).collect()),
             sample,
+            first_row,
             lines,
         })
     }
@@ -120,8 +137,43 @@ impl<'i, R: BufRead> TextTable<'i, R> {
         Ok(next.map(|(number, text)| (number, self.dialect.cells(text))))
     }
 
-    /// Number of the first blank line between rows.
+    /// Number of the first blank line between rows. Lines of a header may be apart.
     pub fn gap(&self) -> Option<u64> {
-        self.lines.gap
+        self.lines.gap.filter(|line| *line > self.first_row)
+    }
+}
+
+/// A header of several lines: the line of names and the first row of numbers, counted from 0, and
+/// the number of columns there.
+struct Header {
+    names: usize,
+    rows: usize,
+    columns: usize,
+}
+
+impl Header {
+    /// The header, where lines stand above the names or a line of units below them. Both have no
+    /// number and a cell for each column.
+    fn of(sample: &[(u64, String)], dialect: &Dialect) -> Option<Self> {
+        let cells = |at: usize| Some(dialect.cells(&sample.get(at)?.1));
+        let is_number = |cell: &&str| dialect.number(cell).is_some();
+        let mut lines = sample.iter().map(|(_, line)| dialect.cells(line));
+        let rows = lines.position(|row| row.iter().all(|cell| is_number(&cell)))?;
+        let columns = cells(rows)?.len();
+        let names_columns = |above: usize| {
+            let line = rows.checked_sub(above).and_then(cells);
+            line.is_some_and(|line| line.len() >= columns && !line.iter().any(|c| is_number(&c)))
+        };
+        let below = match (names_columns(1), names_columns(2)) {
+            (true, true) => 2,
+            (true, false) => 1,
+            _ => return None,
+        };
+        let names = rows - below;
+        (rows > 1).then_some(Header {
+            names,
+            rows,
+            columns,
+        })
     }
 }
