@@ -18,7 +18,7 @@ const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
 pub(super) const CURVE_WIDTH: f64 = 1.2;
 
 /// Most points of the curves of a figure, and most bands: about half a megabyte each.
-pub(super) const MOST_POINTS: usize = 60_000;
+pub(super) const MOST_POINTS: usize = 80_000;
 const MOST_BANDS: usize = 4000;
 
 /// Size of the portrait, and bounds of the size of a state's panel in the time history, px.

@@ -8,6 +8,7 @@ mod continuation;
 mod families;
 mod hybrid;
 mod known_answers;
+mod long_runs;
 mod model_2_page;
 mod pile_ups;
 mod places_on_branches;
