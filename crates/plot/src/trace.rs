@@ -10,20 +10,20 @@ use super::polyline::{Point, simplify};
 const CELL: f64 = 0.2;
 
 /// Longest part of a line that is kept or dropped as a whole, in cells.
-const PART: f64 = 5.0;
+const PART: f64 = 10.0;
 
 /// Length at the tip of a line that does not count as drawn, in cells: no line ends at itself.
 const TIP: f64 = 8.0;
 
 /// Number of parts that are drawn again where a line would end and begin anew.
-const BRIDGE: u32 = 10;
+const BRIDGE: u32 = 6;
 
 /// Factor on the width of a cell where too many points remain.
 const COARSER: f64 = 1.5;
 
 /// Free space of a grid beyond the points, in units of their extent. With it a curve that grows
 /// evenly, as over time, needs a new grid only now and then.
-const FREE: f64 = 0.25;
+const FREE: f64 = 1.0;
 
 /// Points of a curve, thinned while they are recorded. What is drawn already is not kept again, so
 /// that time is linear in the points and memory bounded. A part of a line is dropped if cells of a
@@ -84,30 +84,30 @@ impl Trace {
         whole.points
     }
 
+    /// Thins all points on a new grid.
+    fn thin_all(&mut self) {
+        let all = std::mem::take(&mut self.points);
+        self.grid = Grid::over(&all, self.size, self.cell);
+        self.grid.thin(&all, self.pen, &mut self.points);
+    }
+
     /// Thins the points since the last time. Where too many remain, all are thinned again, first on
     /// the grid of the present extent, then on coarser ones.
     fn thin(&mut self) {
         // The last point begins the part that follows.
         let tip = self.points.last().copied();
-        if !self.grid.covers(&self.points[self.thinned..]) {
-            self.grid = Grid::over(&self.points, self.size, self.cell);
-            let kept = &self.points[..self.thinned];
-            kept.windows(2)
-                .for_each(|ends| self.grid.mark(ends[0], ends[1], self.pen));
+        if self.grid.covers(&self.points[self.thinned..]) {
+            let rest = self.points.split_off(self.thinned);
+            self.grid.thin(&rest, self.pen, &mut self.points);
+        } else {
+            self.thin_all();
         }
-        let rest = self.points.split_off(self.thinned);
-        self.grid.thin(&rest, self.pen, &mut self.points);
         if self.points.len() > self.most {
             self.points = self.grid.simplified(&self.points);
         }
         while self.points.len() > self.most && self.cell < self.size.0 {
-            let all = std::mem::take(&mut self.points);
-            self.grid = Grid::over(&all, self.size, self.cell);
-            self.grid.thin(&all, self.pen, &mut self.points);
-            self.cell *= match self.points.len() > self.most {
-                true => COARSER,
-                false => 1.0,
-            };
+            self.cell *= COARSER;
+            self.thin_all();
         }
         self.thinned = self.points.len();
         self.limit = self.most.max(2 * self.thinned);
@@ -115,7 +115,7 @@ impl Trace {
     }
 }
 
-/// Cells over a part of the plane, and which of them are drawn.
+/// A part of the plane in square cells, and which of them are drawn.
 #[derive(Clone, Debug, Default)]
 struct Grid {
     origin: Point,
@@ -125,7 +125,7 @@ struct Grid {
     cell: f64,
     columns: usize,
     rows: usize,
-    /// A bit for each cell, row by row.
+    /// A bit for each cell; a word for each square of 8 × 8 of them, row by row.
     drawn: Vec<u64>,
 }
 
@@ -144,7 +144,7 @@ impl Grid {
             (
                 low - FREE * extent,
                 size / cell / extent,
-                cells as usize + 1,
+                (cells as usize + 1).next_multiple_of(8),
             )
         };
         let ((left, across, columns), (below, up, rows)) = (axis(x, size.0), axis(y, size.1));
@@ -154,7 +154,7 @@ impl Grid {
             cell,
             columns,
             rows,
-            drawn: vec![0; (columns * rows).div_ceil(64)],
+            drawn: vec![0; columns / 8 * (rows / 8)],
         }
     }
 
@@ -172,22 +172,21 @@ impl Grid {
         (x * self.scale.0, y * self.scale.1)
     }
 
-    /// Word and bit of the cell at a place; the nearest one of the grid.
-    fn bit(&self, (x, y): Point) -> (usize, u64) {
-        let (column, row) = (x as usize, y as usize);
-        let cell = row.min(self.rows - 1) * self.columns + column.min(self.columns - 1);
-        (cell / 64, 1 << (cell % 64))
+    /// Word and bit of a cell. There is space around all lines.
+    fn bit(&self, column: usize, row: usize) -> (usize, u64) {
+        let word = (row / 8).wrapping_mul(self.columns / 8) + column / 8;
+        (word, 1 << (row % 8 * 8 + column % 8))
     }
 
-    fn is_drawn(&self, at: Point) -> bool {
-        let (word, bit) = self.bit(at);
-        self.drawn[word] & bit != 0
+    fn is_drawn(&self, (x, y): Point) -> bool {
+        let (word, bit) = self.bit(x as usize, y as usize);
+        self.drawn.get(word).is_some_and(|cells| cells & bit != 0)
     }
 
-    /// Half a pen's width across a line, to half a cell from its edge, in units of cells. Of a line
-    /// without length it has none.
+    /// From a line to half a cell from the edge of the pen, across it, in cells; nothing for a line
+    /// without length.
     fn across(&self, (dx, dy): Point, pen: f64) -> Point {
-        let length = crate::math::hypot(dx, dy);
+        let length = (dx * dx + dy * dy).sqrt();
         let half = (0.5 * pen / self.cell - 0.5).max(0.0);
         match length > 0.0 {
             true => (-dy / length * half, dx / length * half),
@@ -202,16 +201,24 @@ impl Grid {
         if dx.is_nan() || dy.is_nan() {
             return;
         }
-        let along = crate::math::hypot(dx, dy).ceil() as usize;
+        let along = (dx * dx + dy * dy).sqrt().ceil().max(1.0);
         let (nx, ny) = self.across((dx, dy), pen);
-        let wide = crate::math::hypot(nx, ny).ceil() as i32;
-        for k in 0..=along {
-            let s = k as f64 / along.max(1) as f64;
-            for j in -wide..=wide {
-                let o = f64::from(j) / f64::from(wide.max(1));
-                let (word, bit) = self.bit((a.0 + s * dx + o * nx, a.1 + s * dy + o * ny));
-                self.drawn[word] |= bit;
+        let wide = (nx * nx + ny * ny).sqrt().ceil().max(1.0);
+        // Whole multiples of a small part of a cell are faster to add and to round down.
+        let fixed = |(x, y): Point| [x, y].map(|x| (x * f64::from(1 << 20)) as i64);
+        let ([mut x, mut y], [ax, ay]) =
+            (fixed((a.0 - nx, a.1 - ny)), fixed((dx / along, dy / along)));
+        let [ox, oy] = fixed((nx / wide, ny / wide));
+        for _ in 0..=along as usize {
+            let (mut column, mut row) = (x, y);
+            for _ in 0..=2 * wide as usize {
+                let (word, bit) = self.bit((column >> 20) as usize, (row >> 20) as usize);
+                if let Some(cells) = self.drawn.get_mut(word) {
+                    *cells |= bit;
+                }
+                (column, row) = (column + ox, row + oy);
             }
+            (x, y) = (x + ax, y + ay);
         }
     }
 
@@ -248,7 +255,7 @@ impl Grid {
         for (k, &to) in rest.iter().enumerate() {
             let (a, b) = (self.place(from), self.place(to));
             let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-            let length = crate::math::hypot(dx, dy);
+            let length = (dx * dx + dy * dy).sqrt();
             if length < 1.0 && k + 1 < rest.len() {
                 continue;
             }
@@ -261,6 +268,9 @@ impl Grid {
                 let is_new = [0.0, 1.0, -1.0]
                     .iter()
                     .any(|o| !self.is_drawn((x + o * nx, y + o * ny)));
+                if !is_new && open.is_none() && tip.is_empty() {
+                    continue;
+                }
                 let (start, end) = (at(s), if e == 1.0 { to } else { at(e) });
                 match (&open, kept.last_mut()) {
                     // A straight line needs no point between its ends.
