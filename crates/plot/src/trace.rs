@@ -104,10 +104,15 @@ impl Trace {
         }
         if self.points.len() > self.most {
             self.points = self.grid.simplified(&self.points);
-        }
-        while self.points.len() > self.most && self.cell < self.size.0 {
-            self.cell *= COARSER;
-            self.thin_all();
+            // With room for more, which would otherwise be too many at once.
+            let most = self.most / 4 * 3;
+            if self.points.len() > most {
+                self.thin_all();
+            }
+            while self.points.len() > most && self.cell < self.size.0 {
+                self.cell *= COARSER;
+                self.thin_all();
+            }
         }
         self.thinned = self.points.len();
         self.limit = self.most.max(2 * self.thinned);
@@ -201,7 +206,8 @@ impl Grid {
         if dx.is_nan() || dy.is_nan() {
             return;
         }
-        let along = (dx * dx + dy * dy).sqrt().ceil().max(1.0);
+        // An even number of steps comes by the middle, where lines are compared.
+        let along = 2.0 * (0.5 * (dx * dx + dy * dy).sqrt()).ceil().max(1.0);
         let (nx, ny) = self.across((dx, dy), pen);
         let wide = (nx * nx + ny * ny).sqrt().ceil().max(1.0);
         // Whole multiples of a small part of a cell are faster to add and to round down.
@@ -426,7 +432,7 @@ mod tests {
     fn a_thinned_curve_looks_the_same() {
         for (name, points, most) in [
             ("area", lissajous(120, 200), 20_000),
-            ("time", oscillation(800), 6_000),
+            ("time", oscillation(800), 10_000),
             ("spiral", spiral(300), 10_000),
         ] {
             let kept = thinned(&points, most);

@@ -17,8 +17,9 @@ const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
 /// Width of the curves, px.
 pub(super) const CURVE_WIDTH: f64 = 1.2;
 
-/// Most points of the curves of a figure, and most bands: about half a megabyte each.
-pub(super) const MOST_POINTS: usize = 80_000;
+/// Most points of the curves of a figure before those on straight lines are dropped, and most
+/// bands: about half a megabyte each.
+pub(super) const MOST_POINTS: usize = 160_000;
 const MOST_BANDS: usize = 4000;
 
 /// Size of the portrait, and bounds of the size of a state's panel in the time history, px.
