@@ -69,7 +69,7 @@ _DEFAULTS: Options = {
     "at_repelling": "stop",
     "at_pile_up": "stop",
     "most_events": 200_000,
-    "most_steps": 1_000_000_000,
+    "most_steps": 10_000_000,
 }
 
 

@@ -40,6 +40,11 @@ from ._symbols import (
 from ._system import System
 
 
+#: Parts of a step in a figure, and most points of its curves.
+PARTS_PER_STEP = 16
+MOST_DRAWN = 100_000
+
+
 @dataclass(frozen=True)
 class Event:
     """A function whose zeros are located. `event` makes it.
@@ -211,6 +216,7 @@ class Solution:
     transitions: NDArray[np.void]
     phases: NDArray[np.void]
     system: System
+    _between: DenseOutput | None = None
 
     @property
     def success(self) -> bool:
@@ -224,11 +230,27 @@ class Solution:
             f"{len(self.transitions)} transitions; status {self.status}>"
         )
 
+    def _curve(self) -> tuple[Floats, Floats]:
+        """Times and states of a smooth curve through the ends of steps, which may be far apart."""
+        parts = min(PARTS_PER_STEP, MOST_DRAWN // max(len(self.t), 1))
+        if self._between is None or len(self.t) < 2 or parts < 2:
+            return self.t, self.y
+        inside = np.linspace(self.t[:-1], self.t[1:], parts, endpoint=False, axis=1).ravel()
+        # An end of a step is also the state behind a jump, which has two states.
+        states = self._between(np.minimum(inside, self._between.t_max))
+        states[:, ::parts] = self.y[:, :-1]
+        return np.append(inside, self.t[-1]), np.hstack([states, self.y[:, -1:]])
+
     def plot(self, axes: Any = None) -> Any:
-        """Draws the states against time, and stick as bands."""
+        """Draws the states against time, and stick as bands.
+
+        The curves are those of the solution, also between steps; without ``dense_output=True``
+        the run is repeated for them. At the times of `t_eval`, they are polygons.
+        """
         axes = new_axes(axes)
-        for name, row in zip(self.system.states, self.y):
-            axes.plot(self.t, row, label=name)
+        t, y = self._curve()
+        for name, row in zip(self.system.states, y):
+            axes.plot(t, row, label=name)
         for phase in self.phases:
             if "S" in phase["mode"]:
                 axes.axvspan(phase["t_start"], phase["t_end"], color="0.9", lw=0, zorder=0)
@@ -340,11 +362,12 @@ def solve_ivp(
     found["y"] = found["y"].T
     for table in ("transitions", "phases"):
         found[table] = structured(found[table])
-    run = (system, begin, t_end, made)
+    between = DenseOutput((system, begin, t_end, made), end, core)
     return make_result(
         found,
         Solution,
-        sol=DenseOutput(run, end, core) if dense_output else None,
+        sol=between if dense_output else None,
+        _between=between if times is None else None,
         t_events=None if events is None else [one[0] for one in passed],
         y_events=None if events is None else [one[1] for one in passed],
         system=system,

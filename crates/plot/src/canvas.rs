@@ -76,12 +76,17 @@ impl<'a> Canvas<'a> {
         Ok(Self { size, out })
     }
 
-    /// A polyline.
-    pub(super) fn stroke(&mut self, points: &[BackendCoord], pen: &Pen) -> fmt::Result {
+    /// Polylines with these numbers of points, one after the other, in one path.
+    pub(super) fn stroke(
+        &mut self,
+        points: &[BackendCoord],
+        lengths: &[usize],
+        pen: &Pen,
+    ) -> fmt::Result {
         if points.len() < 2 {
             return Ok(());
         }
-        self.path(points, "")?;
+        self.path(points, lengths, "")?;
         write!(
             self.out,
             " fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
@@ -95,6 +100,9 @@ impl<'a> Canvas<'a> {
                 .map(|length| units(*length).to_string())
                 .collect();
             write!(self.out, " stroke-dasharray=\"{}\"", lengths.join(" "))?;
+        }
+        if pen.is_round {
+            self.out.push_str(" stroke-linecap=\"round\"");
         }
         self.out.push_str("/>\n");
         Ok(())
@@ -139,7 +147,7 @@ impl<'a> Canvas<'a> {
         };
         if !corners.is_empty() {
             let corners: Vec<_> = corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect();
-            self.path(&corners, "z")?;
+            self.path(&corners, &[corners.len()], "z")?;
         }
         writeln!(
             self.out,
@@ -262,7 +270,7 @@ impl<'a> Canvas<'a> {
         if corners.len() < 3 {
             return Ok(());
         }
-        self.path(corners, "z")?;
+        self.path(corners, &[corners.len()], "z")?;
         writeln!(self.out, " fill=\"{}\"/>", color.hex())
     }
 
@@ -278,29 +286,33 @@ impl<'a> Canvas<'a> {
         )
     }
 
-    /// Begins a path: one absolute point, then differences, which are shorter.
-    fn path(&mut self, points: &[BackendCoord], end: &str) -> fmt::Result {
+    /// Begins a path of several lines: one absolute point, then differences, which are shorter.
+    fn path(&mut self, points: &[BackendCoord], lengths: &[usize], end: &str) -> fmt::Result {
         self.out.push_str("<path d=\"");
-        let mut before: Option<BackendCoord> = None;
-        for &(x, y) in points {
-            match before {
-                None => write!(self.out, "M{x} {y}l")?,
-                Some((x0, y0)) if (x, y) != (x0, y0) => {
-                    // A minus sign separates by itself.
-                    let (dx, dy) = (x - x0, y - y0);
+        let (mut before, mut rest) = ((0, 0), points);
+        for (k, &length) in lengths.iter().enumerate() {
+            let (line, others) = rest.split_at(length.min(rest.len()));
+            rest = others;
+            for (i, &(x, y)) in line.iter().enumerate() {
+                let (dx, dy) = (x - before.0, y - before.1);
+                // A minus sign separates by itself.
+                let between = if dy < 0 { "" } else { " " };
+                if i == 0 {
+                    let move_to = if k == 0 { 'M' } else { 'm' };
+                    let between = if k == 0 { " " } else { between };
+                    write!(self.out, "{move_to}{dx}{between}{dy}l")?;
+                } else if (dx, dy) != (0, 0) {
                     if dx >= 0 && !self.out.ends_with('l') {
                         self.out.push(' ');
                     }
-                    let between = if dy < 0 { "" } else { " " };
                     write!(self.out, "{dx}{between}{dy}")?;
                 }
-                Some(_) => {}
+                before = (x, y);
             }
-            before = Some((x, y));
-        }
-        // All points in one place: a line of no length keeps the path valid.
-        if self.out.ends_with('l') {
-            self.out.push_str("0 0");
+            // All points in one place: a line of no length keeps the path valid.
+            if self.out.ends_with('l') {
+                self.out.push_str("0 0");
+            }
         }
         write!(self.out, "{end}\"")
     }
@@ -412,8 +424,9 @@ mod tests {
     #[test]
     fn paths_use_differences() {
         let svg = document(|canvas| {
-            drawn(canvas.stroke(&[(10, 10), (15, 8), (15, 8), (12, 9)], &Pen::default()))
+            let points = [(10, 10), (15, 8), (15, 8), (12, 9), (13, 7), (13, 7)];
+            drawn(canvas.stroke(&points, &[4, 2], &Pen::default()))
         });
-        assert!(svg.contains("d=\"M10 10l5-2-3 1\""));
+        assert!(svg.contains("d=\"M10 10l5-2-3 1m1-2l0 0\""));
     }
 }

@@ -13,6 +13,8 @@ use super::pen::Pen;
 pub(super) enum Ink {
     /// A polyline through them.
     Line(Pen),
+    /// Several polylines, with the number of points of each.
+    Lines(Pen, Vec<usize>),
     /// Rectangles that make one area; upper left and lower right corners in turn.
     Area(Color),
     /// A filled polygon with these corners.
@@ -48,7 +50,8 @@ impl<C> Drawable<Canvas<'_>> for Element<C> {
     ) -> Drawn {
         let points: Vec<BackendCoord> = points.collect();
         drawn(match &self.ink {
-            Ink::Line(pen) => canvas.stroke(&points, pen),
+            Ink::Line(pen) => canvas.stroke(&points, &[points.len()], pen),
+            Ink::Lines(pen, lengths) => canvas.stroke(&points, lengths, pen),
             Ink::Area(color) => canvas.tiles(&points, *color),
             Ink::Polygon(color) => canvas.polygon(&points, *color),
             Ink::Rectangle(color) => canvas.rect(&points, *color),

@@ -284,6 +284,35 @@ mod tests {
     }
 
     #[test]
+    fn a_legend_counts_what_it_has_no_room_for() {
+        for place in [Legend::UpperLeft, Legend::Below] {
+            let mut panel = unit().legend(place);
+            for k in 0..300 {
+                panel.add(Markers::new([(0.5, 0.5)]).legend(&format!("jump {k}")));
+            }
+            let svg = figure().row(1.0, panel).render().unwrap();
+            let named = svg.matches(">jump ").count();
+            assert!((7..100).contains(&named), "{named}");
+            assert!(svg.contains(&format!(">and {} more<", 300 - named)));
+        }
+    }
+
+    #[test]
+    fn a_figure_of_millions_of_points_is_small() {
+        let point = |k: u32| {
+            let t = f64::from(k) * 0.3;
+            (libm::sin(t), libm::sin(1.618 * t))
+        };
+        let axis = || Axis::new("", -1.1, 1.1);
+        let panel = Panel::new(axis(), axis())
+            .with(Curve::new((0..300_000).map(point)))
+            .with(Markers::new((0..100_000).map(point)));
+        let svg = Figure::new("long", (560.0, 480.0), "t", "d").row(1.0, panel);
+        let length = svg.render().unwrap().len();
+        assert!(length < 1_000_000, "{length}");
+    }
+
+    #[test]
     fn panels_under_one_another_line_up() {
         let wide = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1e6));
         let narrow = Panel::new(Axis::new("", 0.0, 1.0), Axis::new("", 0.0, 1.0).bare());

@@ -38,6 +38,9 @@ impl Entry {
     }
 }
 
+/// Most lines of a legend: more would leave no room for the panel.
+const MOST_LINES: usize = 8;
+
 // Lengths, px. They are chosen by eye for small text.
 const LINE_HEIGHT: f64 = 16.0;
 const KEY_WIDTH: f64 = 27.0;
@@ -55,36 +58,48 @@ fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
     Ok(KEY_WIDTH + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
 }
 
-/// Number and width of the columns of a legend below a panel.
-fn columns(entries: &[Entry], available: f64) -> Result<(usize, f64), PlotError> {
-    let widest = widest(entries)?;
+/// The entries that a legend has room for, with number and width of its columns. The rest is
+/// counted in the last entry.
+fn arranged(
+    mut entries: Vec<Entry>,
+    available: f64,
+) -> Result<(Vec<Entry>, usize, f64), PlotError> {
+    let widest = widest(&entries)?;
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
+    let room = fit * MOST_LINES;
+    if entries.len() > room {
+        let text = format!("and {} more", entries.len() + 1 - room);
+        let ink = Ink::Line(Pen::new(WHITE, 0.0));
+        entries.truncate(room - 1);
+        entries.push(Entry { text, ink });
+    }
     // The entries are spread evenly over the lines: 4 entries make 2 + 2, not 3 + 1.
     let lines = entries.len().div_ceil(fit);
-    Ok((entries.len().div_ceil(lines.max(1)).max(1), widest))
+    let columns = entries.len().div_ceil(lines.max(1)).max(1);
+    Ok((entries, columns, widest))
 }
 
 /// Height a legend below a panel takes, px.
-pub(super) fn height_below(entries: &[Entry], available: f64) -> Result<f64, PlotError> {
+pub(super) fn height_below(entries: Vec<Entry>, available: f64) -> Result<f64, PlotError> {
     if entries.is_empty() {
         return Ok(0.0);
     }
-    let (count, _) = columns(entries, available)?;
+    let (entries, count, _) = arranged(entries, available)?;
     Ok(entries.len().div_ceil(count) as f64 * LINE_HEIGHT + PADDING)
 }
 
 /// Draws the legend under a panel: centred between `left` and `right`, from `top` down.
 pub(super) fn draw_below(
     sheet: &Sheet<'_, '_>,
-    entries: &[Entry],
+    entries: Vec<Entry>,
     (left, right): (f64, f64),
     top: f64,
 ) -> Drawn {
     if entries.is_empty() {
         return Ok(());
     }
-    let (count, width) = columns(entries, right - left)?;
+    let (entries, count, width) = arranged(entries, right - left)?;
     let total = count as f64 * (width + COLUMN_GAP) - COLUMN_GAP;
     let start = left + ((right - left) - total) / 2.0;
     for (i, entry) in entries.iter().enumerate() {
@@ -103,14 +118,15 @@ pub(super) fn draw_below(
 /// Draws the legend inside the plot rectangle.
 pub(super) fn draw_inside(
     sheet: &Sheet<'_, '_>,
-    entries: &[Entry],
+    entries: Vec<Entry>,
     plot: &Frame,
     place: Legend,
 ) -> Drawn {
     if entries.is_empty() {
         return Ok(());
     }
-    let width = widest(entries)? + 2.0 * PADDING;
+    let (entries, _, widest) = arranged(entries, 0.0)?;
+    let width = widest + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE_HEIGHT + PADDING;
     let left = match place {
         Legend::UpperLeft => plot.left + INSET,

@@ -5,7 +5,7 @@
 //! [`Markers`], [`Guide`], [`Band`], [`Region`], [`Cells`], [`Note`], [`Dimension`], [`Inset`].
 //! Sizes, widths and offsets are in px at the figure's nominal size. One px is 1/96 inch, and
 //! 658 px are a journal's text width. Offsets are `(right, up)`. Everything else is in the data's
-//! units.
+//! units. A [`Trace`] keeps what a picture shows of a curve that is too long to keep.
 //!
 //! Texts are written in a small markup. `*x*_1` sets an italic x with the subscript 1, `_{…}` and
 //! `^{…}` put groups below and above the line, `**…**` is bold. A backslash takes the next
@@ -64,6 +64,7 @@ mod plot;
 mod polyline;
 mod rich;
 mod table;
+mod trace;
 
 pub use axis::{Axis, number};
 pub use color::{
@@ -79,3 +80,4 @@ pub use metrics::FACES;
 pub use panel::Panel;
 pub use pen::Dash;
 pub use table::Table;
+pub use trace::Trace;

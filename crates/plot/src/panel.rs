@@ -137,7 +137,7 @@ impl Panel {
         };
         let mut bottom = self.below();
         if self.legend == Legend::Below {
-            bottom += legend::height_below(&self.entries(), cell_width - left - right)?;
+            bottom += legend::height_below(self.entries(), cell_width - left - right)?;
         }
         Ok(Margins {
             left,
@@ -227,9 +227,9 @@ impl Panel {
             Legend::Hidden => Ok(()),
             Legend::Below => {
                 let top = frame.bottom + self.below();
-                legend::draw_below(sheet, &entries, (frame.left, frame.right), top)
+                legend::draw_below(sheet, entries, (frame.left, frame.right), top)
             }
-            corner => legend::draw_inside(sheet, &entries, frame, corner),
+            corner => legend::draw_inside(sheet, entries, frame, corner),
         }
     }
 }

@@ -22,6 +22,8 @@ pub(super) struct Pen {
     pub(super) color: Color,
     pub(super) width: f64,
     pub(super) dash: Dash,
+    /// Whether lines have round ends, so that one without length is a dot.
+    pub(super) is_round: bool,
 }
 
 impl Default for Pen {
@@ -37,6 +39,7 @@ impl Pen {
             color,
             width,
             dash: Dash::Solid,
+            is_round: false,
         }
     }
 

@@ -1,5 +1,6 @@
 //! A panel's plot rectangle during drawing: data coordinates on the page.
 
+use std::collections::HashSet;
 use std::fmt;
 
 use plotters::coord::Shift;
@@ -14,10 +15,20 @@ use super::elements::{Element, Ink};
 use super::marks::{Symbol, Words};
 use super::pen::Pen;
 use super::polyline::{self, Bounds, Point};
+use super::trace::Trace;
 use crate::error::PlotError;
 
 /// Displacement of a curve, px, that is invisible even when enlarged a few times.
-const INVISIBLE: f64 = 0.02;
+pub(super) const INVISIBLE: f64 = 0.02;
+
+/// Most points of a curve; of a longer one only what it shows is kept.
+const MOST_POINTS: usize = 1 << 16;
+
+/// Most pieces of a line with an element for each.
+const MOST_ELEMENTS: usize = 64;
+
+/// Most markers of a layer. Of more of them one is drawn for each cell of a grid.
+const MOST_MARKERS: usize = 4000;
 
 /// The outcome of drawing.
 pub type Drawn = Result<(), PlotError>;
@@ -164,12 +175,27 @@ impl<'p, 'a> Plot<'p, 'a> {
 
     /// A polyline in data units, cut at the frame.
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
-        for piece in polyline::clip_line(points, &self.bounds) {
-            let points = polyline::simplify(&piece, self.scale(), INVISIBLE);
-            let ink = Ink::Line(*pen);
-            self.data.draw(&Element { points, ink })?;
+        let mut pieces = polyline::clip_line(points, &self.bounds);
+        if points.len() > MOST_POINTS {
+            let size = (self.frame.width(), self.frame.height());
+            let mut trace = Trace::new(size, pen.width, MOST_POINTS);
+            for piece in pieces {
+                piece.into_iter().for_each(|point| trace.push(point));
+                trace.lift();
+            }
+            pieces = polyline::clip_line(&trace.points(), &self.bounds);
         }
-        Ok(())
+        let thin = |piece: &Vec<Point>| polyline::simplify(piece, self.scale(), INVISIBLE);
+        let mut pieces: Vec<Vec<Point>> = pieces.iter().map(thin).collect();
+        if pieces.len() > MOST_ELEMENTS {
+            let lengths = pieces.iter().map(Vec::len).collect();
+            let (points, ink) = (pieces.concat(), Ink::Lines(*pen, lengths));
+            return Ok(self.data.draw(&Element { points, ink })?);
+        }
+        pieces.drain(..).try_for_each(|points| {
+            let ink = Ink::Line(*pen);
+            Ok(self.data.draw(&Element { points, ink })?)
+        })
     }
 
     /// A filled polygon in data units, cut at the frame.
@@ -185,7 +211,16 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// Markers at those of the data points that lie inside the frame.
     pub(super) fn symbols(&self, points: &[Point], symbol: &Symbol) -> Drawn {
         let inside = points.iter().filter(|at| self.bounds.contains(**at));
-        let (points, ink) = (inside.copied().collect(), Ink::Symbol(*symbol));
+        let (mut points, ink): (Vec<Point>, _) = (inside.copied().collect(), Ink::Symbol(*symbol));
+        let mut cell = 0.125;
+        while points.len() > MOST_MARKERS {
+            cell *= 2.0;
+            let mut taken = HashSet::new();
+            points.retain(|&at| {
+                let (x, y) = self.px(at);
+                taken.insert(((x / cell) as i64, (y / cell) as i64))
+            });
+        }
         Ok(self.data.draw(&Element { points, ink })?)
     }
 }

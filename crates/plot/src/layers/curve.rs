@@ -36,6 +36,12 @@ impl Curve {
         /// Text in the legend, in markup.
         legend: &str => legend;
     }
+
+    /// Round ends, so that a piece without length is a dot.
+    pub fn round(mut self) -> Self {
+        self.pen.is_round = true;
+        self
+    }
 }
 
 impl Layer for Curve {

@@ -223,7 +223,7 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "ERROR", default_value = "1e-12")]
     tol: f64,
 
-    /// Absolute tolerance; default as --tol
+    /// Absolute tolerance, for states near zero; default as --tol
     #[arg(long, value_name = "ERROR")]
     atol: Option<f64>,
 
@@ -244,7 +244,7 @@ pub(super) struct SolverArguments {
     most_events: NonZeroUsize,
 
     /// A run with more steps than this ends with an error
-    #[arg(long, value_name = "COUNT", default_value = "1000000000", value_parser = count)]
+    #[arg(long, value_name = "COUNT", default_value = "10000000", value_parser = count)]
     most_steps: NonZeroUsize,
 
     /// What to do where both fields lead away from the boundary

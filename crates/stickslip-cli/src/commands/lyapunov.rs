@@ -112,7 +112,7 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
         .column("elapsed", |at: &&Running| at.elapsed)
         .many("lambda", numbers.collect(), |at| at.exponents.clone());
     report.table(table.csv("convergence", &spectrum.convergence)?);
-    report.figure("convergence", &figure(system, &spectrum))?;
+    report.figure("convergence", &figure(system, &spectrum));
     Ok(report)
 }
 

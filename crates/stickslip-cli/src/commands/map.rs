@@ -185,7 +185,7 @@ impl Sweep for Map {
             })
         });
         report.field("classes", classes.collect::<Vec<Value>>());
-        report.figure("map", &self.figure(&found, system))?;
+        report.figure("map", &self.figure(&found, system));
         Ok(report)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::{PreparedRun, RunArguments};
 use super::attractors::family_words;
-use super::recording::Recording;
+use super::recording::{Recording, Wanted};
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
@@ -36,7 +36,11 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
     } = prepared;
     let (orbit, periods) = search.periodic_orbit(system, (prepared.t, &prepared.x), options)?;
     let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
-    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options);
+    let wanted = Wanted {
+        figures: true,
+        steps: false,
+    };
+    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options, wanted);
     outcome?;
     let (extremes, _) = extremes(system.dynamics(), (orbit.t, x), t_end, options)?;
 
@@ -54,8 +58,8 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         .field("residual", orbit.residual)
         .field("t", orbit.t)
         .field("x", by_state(system, x))
-        .field("doubtful", &recording.doubt)
-        .lines("doubtful", recording.doubt.clone());
+        .field("doubtful", &recording.doubtful)
+        .lines("doubtful", recording.doubtful.clone());
 
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(periods.is_none());

@@ -2,20 +2,25 @@
 
 use std::ops::ControlFlow;
 
+use plot::Trace;
 use stickslip::dynamics::{
-    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Summary, Transition, Vector,
+    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Step, Summary, Transition,
+    Vector,
 };
+use stickslip::error::readable;
 use stickslip::{Direction, Error, Mode, Options, TransitionKind};
 
+use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, stick_width};
+use crate::failure::CommandLine;
 use crate::render::input_name;
-use crate::terminal::DelayedProgressBar;
+use crate::terminal::{DelayedProgressBar, note};
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::FrictionWatch;
+use stickslip_kernels::study::{FrictionWatch, StepMonitor};
 
-/// Minimum number of parts of a step for a curve through the orbit. Steps of high order are long,
-/// so that a curve through their ends alone would be a polygon.
-const PARTS_PER_STEP: u32 = 16;
+/// Number of parts of a step for a curve through the orbit, which has a point between any two.
+/// Steps of high order are long, so that a curve through their ends alone would be a polygon.
+const PARTS_PER_STEP: u32 = 8;
 
 /// A part is halved if its midpoint is off the straight line by more than this fraction of the
 /// extent of the orbit so far. The next constant limits the number of halvings.
@@ -28,12 +33,98 @@ const ROUNDING: f64 = 1e-9;
 /// Number of steps of the progress bar.
 const FINENESS: f64 = 1000.0;
 
-/// A point of the orbit.
-pub(super) struct Point {
-    pub(super) t: f64,
-    pub(super) x: Vector,
-    /// Whether the point is the end of a step, or the state behind a jump.
-    pub(super) ends_step: bool,
+/// A run of as many steps is large.
+const MANY_STEPS: u64 = 1_000_000;
+
+/// What is recorded besides the events.
+#[derive(Clone, Copy)]
+pub(super) struct Wanted {
+    pub(super) figures: bool,
+    pub(super) steps: bool,
+}
+
+/// What figures show of an orbit.
+pub(super) struct Pictures {
+    /// Each state against time.
+    pub(super) history: Vec<Trace>,
+    /// The plane of the first two states; the same where each contact sticks.
+    pub(super) portrait: Trace,
+    pub(super) sticks: Vec<Trace>,
+    /// Minimum and maximum of each state.
+    pub(super) extents: Vec<(f64, f64)>,
+}
+
+impl Pictures {
+    /// Pictures of a point.
+    fn new(system: &System, at: &Moment) -> Self {
+        let trace = |size, pen, count: usize| Trace::new(size, pen, MOST_POINTS / count);
+        let contacts = system.contacts();
+        let stick = |contact| trace(PORTRAIT_SIZE, stick_width(contacts, contact), 1 + contacts);
+        let mut pictures = Pictures {
+            history: vec![trace(HISTORY_SIZE, CURVE_WIDTH, at.x.len()); at.x.len()],
+            portrait: trace(PORTRAIT_SIZE, CURVE_WIDTH, 1 + contacts),
+            sticks: (0..contacts).map(stick).collect(),
+            extents: at.x.iter().map(|&x| (x, x)).collect(),
+        };
+        pictures.add(at, None);
+        pictures
+    }
+
+    /// Adds a point, of an orbit in this mode.
+    fn add(&mut self, Moment { t, x }: &Moment, mode: Option<Modes>) {
+        for (trace, &x) in self.history.iter_mut().zip(x) {
+            trace.push((*t, x));
+        }
+        for ((low, high), &x) in self.extents.iter_mut().zip(x) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+        let Some(&second) = x.get(1) else {
+            return;
+        };
+        self.portrait.push((x[0], second));
+        for (contact, trace) in self.sticks.iter_mut().enumerate() {
+            match mode.map(|mode| mode.get(contact)) {
+                Some(Mode::Stick) => trace.push((x[0], second)),
+                _ => trace.lift(),
+            }
+        }
+    }
+
+    /// Adds the points of a step.
+    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) {
+        let at = |k: u32| {
+            let part = f64::from(k) / f64::from(PARTS_PER_STEP);
+            let t = step.t_start + part * (step.t_end - step.t_start);
+            let x = solution(t);
+            Moment { t, x }
+        };
+        let [mut from, end] = [(step.t_start, &step.x_start), (step.t_end, &step.x_end)]
+            .map(|(t, x)| Moment { t, x: x.clone() });
+        // Behind a jump the curve begins anew, so that its edge is vertical.
+        self.add(&from, Some(step.mode));
+        for to in (1..PARTS_PER_STEP).map(at).chain([end]) {
+            self.part((step.mode, solution), &from, &to, MOST_HALVINGS);
+            from = to;
+        }
+    }
+
+    /// Adds the points of a step between two moments, and the second one.
+    fn part(&mut self, of: (Modes, &dyn Fn(f64) -> Vector), from: &Moment, to: &Moment, deep: u32) {
+        let t = 0.5 * (from.t + to.t);
+        let middle = Moment { t, x: of.1(t) };
+        let ends = from.x.iter().zip(&to.x);
+        let mut states = middle.x.iter().zip(ends).zip(&self.extents);
+        let is_bent = states.any(|((x, (a, b)), &(low, high))| {
+            let rounding = ROUNDING * low.abs().max(high.abs());
+            (x - 0.5 * (a + b)).abs() > CHORD_TOLERANCE * (high - low) + rounding
+        });
+        if is_bent && deep > 0 {
+            self.part(of, from, &middle, deep - 1);
+            return self.part(of, &middle, to, deep - 1);
+        }
+        self.add(&middle, Some(of.0));
+        self.add(to, Some(of.0));
+    }
 }
 
 /// An event at one time of an orbit.
@@ -91,44 +182,53 @@ impl Occurrence {
     }
 }
 
-/// Points, events and phases of an orbit.
+/// Events and phases of an orbit, and what figures and tables need of its steps.
 pub(super) struct Recording {
     pub(super) phases: Vec<Phase>,
     pub(super) transitions: Vec<Occurrence>,
     pub(super) passages: Vec<Passage>,
-    pub(super) points: Vec<Point>,
-    /// Minimum and maximum of each state at the ends of steps so far.
-    extent: Vec<(f64, f64)>,
-    span: (f64, f64),
     /// What looks wrong with the run.
-    pub(super) doubt: Option<String>,
+    pub(super) doubtful: Vec<String>,
+    /// Where it begins, and where its last step ends.
+    pub(super) begin: Moment,
+    pub(super) end: Moment,
+    /// Time and states at the ends of steps and behind jumps, in one row after the other. Between
+    /// them the solution is less accurate.
+    pub(super) steps: Vec<f64>,
+    pub(super) pictures: Option<Pictures>,
+    wanted: Wanted,
+    t_end: f64,
+    monitor: StepMonitor,
     progress: DelayedProgressBar,
 }
 
 impl Recording {
-    /// Records a run, and returns how it ended.
+    /// Records a run, and returns how it ended. A stiff system is told while it runs.
     pub(super) fn of(
         system: &System,
         start: (f64, &[f64]),
         t_end: f64,
         options: &Options,
+        wanted: Wanted,
     ) -> (Self, Result<Summary, Error>) {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
+        let begin = Moment { t, x };
         let mut recording = Recording {
             phases: Vec::new(),
             transitions: Vec::new(),
             passages: Vec::new(),
-            extent: x.iter().map(|&x| (x, x)).collect(),
-            points: vec![Point {
-                t,
-                x,
-                ends_step: true,
-            }],
-            span: (t, t_end),
-            doubt: None,
+            doubtful: Vec::new(),
+            end: begin.clone(),
+            steps: Vec::new(),
+            pictures: wanted.figures.then(|| Pictures::new(system, &begin)),
+            wanted,
+            t_end,
+            monitor: StepMonitor::new(start, t_end, options),
             progress: DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go"),
+            begin,
         };
         let mut friction = FrictionWatch::new(system);
+        recording.row(start.0, start.1);
         let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
             match progress {
                 OrbitProgress::Step => {
@@ -148,66 +248,51 @@ impl Recording {
         let (dynamics, section) = (system.dynamics(), system.section());
         let ended = follow(dynamics, start, t_end, options, &section, &mut watcher);
         recording.progress.clear();
-        recording.doubt = friction.warning();
+        recording.doubtful.extend(friction.warning());
+        let below = recording.monitor.below_tolerance(system, &CommandLine);
+        recording.doubtful.extend(below);
         (recording, ended)
     }
 
-    /// Records the points of a step.
-    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) {
-        let (step, solution) = (orbit.last_step(), orbit.solution());
-        for ((low, high), &x) in self.extent.iter_mut().zip(&step.x_end) {
-            (*low, *high) = (low.min(x), high.max(x));
+    /// Adds a row of time and state, if it is wanted.
+    fn row(&mut self, t: f64, x: &[f64]) {
+        if self.wanted.steps {
+            self.steps.push(t);
+            self.steps.extend(x);
         }
-        let at = |k: u32| {
-            let part = f64::from(k) / f64::from(PARTS_PER_STEP);
-            let t = step.t_start + part * (step.t_end - step.t_start);
-            let x = solution(t);
-            Moment { t, x }
-        };
-        let mut from = at(0);
-        // Behind a jump the curve begins anew, so that its edge is vertical.
+    }
+
+    /// Records a step.
+    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) {
+        let step = orbit.last_step();
+        if let Some(warning) = self.monitor.step(&step, &CommandLine) {
+            note(&format!("warning: {warning}"));
+        }
+        if orbit.counters().steps == MANY_STEPS {
+            let advice = match (self.wanted.steps, self.wanted.figures) {
+                (false, false) => "",
+                _ => "; --no-steps and --no-figures save memory and time",
+            };
+            note(&format!(
+                "note: {MANY_STEPS} steps so far, to t = {} of {}{advice}",
+                readable(step.t_end),
+                readable(self.t_end)
+            ));
+        }
         let at_start = self.transitions.iter().rev();
         let mut at_start = at_start.take_while(|at| at.t() == step.t_start);
         if at_start.any(Occurrence::is_jump) {
-            let (Moment { t, x }, ends_step) = (from.clone(), true);
-            self.points.push(Point { t, x, ends_step });
+            self.row(step.t_start, step.x_start.as_slice());
         }
-        let end = Moment {
-            t: step.t_end,
-            x: step.x_end,
-        };
-        for to in (1..PARTS_PER_STEP).map(at).chain([end]) {
-            self.part(&*solution, &from, to.clone(), MOST_HALVINGS);
-            from = to;
+        self.row(step.t_end, step.x_end.as_slice());
+        if let Some(pictures) = &mut self.pictures {
+            pictures.step(&step, &*orbit.solution());
         }
-        if let Some(last) = self.points.last_mut() {
-            last.ends_step = true;
-        }
-        let (from, to) = self.span;
+        let (from, to) = (self.begin.t, self.t_end);
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
         self.progress
             .done((part * FINENESS) as u64, FINENESS as u64);
-    }
-
-    /// Records the points of a step between two moments, and the second one.
-    fn part(&mut self, solution: &dyn Fn(f64) -> Vector, from: &Moment, to: Moment, deep: u32) {
-        let t = 0.5 * (from.t + to.t);
-        if deep > 0 {
-            let x = solution(t);
-            let ends = from.x.iter().zip(&to.x);
-            let mut states = x.iter().zip(ends).zip(&self.extent);
-            let is_bent = states.any(|((x, (a, b)), &(low, high))| {
-                let rounding = ROUNDING * low.abs().max(high.abs());
-                (x - 0.5 * (a + b)).abs() > CHORD_TOLERANCE * (high - low) + rounding
-            });
-            if is_bent {
-                let middle = Moment { t, x };
-                self.part(solution, from, middle.clone(), deep - 1);
-                return self.part(solution, &middle, to, deep - 1);
-            }
-        }
-        let (Moment { t, x }, ends_step) = (to, false);
-        self.points.push(Point { t, x, ends_step });
+        (self.end.t, self.end.x) = (step.t_end, step.x_end);
     }
 
     /// Intervals of time in which a contact sticks, independent of the other contacts.

@@ -6,7 +6,7 @@ use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error};
 
 use super::arguments::{PreparedRun, RunArguments};
-use super::recording::{self, KINDS, Occurrence, Recording, direction_name};
+use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, by_state};
@@ -21,6 +21,12 @@ pub(super) struct Arguments {
     /// Time at the end; default as in the file
     #[arg(long, value_name = "TIME", visible_alias = "until")]
     t_end: Option<f64>,
+    /// Draw no figures
+    #[arg(long)]
+    no_figures: bool,
+    /// Write no steps.csv
+    #[arg(long)]
+    no_steps: bool,
     #[command(flatten)]
     run: RunArguments,
 }
@@ -28,20 +34,24 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments
         .run
-        .with_report(|prepared| followed(prepared, arguments.t_end))
+        .with_report(|prepared| followed(prepared, arguments))
 }
 
-fn followed(prepared: &PreparedRun, t_end: Option<f64>) -> Result<Report, Failure> {
+fn followed(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failure> {
     let PreparedRun {
         system,
         options,
         t,
         x,
     } = prepared;
-    let t_end = t_end.or(system.built.t_end).ok_or_else(|| {
+    let t_end = arguments.t_end.or(system.built.t_end).ok_or_else(|| {
         Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
     })?;
-    let (recording, outcome) = Recording::of(system, (*t, x), t_end, options);
+    let wanted = Wanted {
+        figures: !arguments.no_figures,
+        steps: !arguments.no_steps,
+    };
+    let (recording, outcome) = Recording::of(system, (*t, x), t_end, options, wanted);
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {
@@ -50,17 +60,18 @@ fn followed(prepared: &PreparedRun, t_end: Option<f64>) -> Result<Report, Failur
         }
         Ok(_) => None,
         // The orbit up to an error is written, unless it has no length.
-        Err(error) if recording.points.len() > 1 => Some(in_words(error, system)),
+        Err(error) if recording.end.t > *t => Some(in_words(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
-    let mut report = report(system, &recording, outcome.ok().as_ref());
+    let lists = arguments.run.output.json;
+    let mut report = report(system, &recording, outcome.ok().as_ref(), lists);
     trajectory::put(system, &recording, &mut report)?;
-    let steps = Table::new()
-        .column("t", |at: &&recording::Point| at.t)
-        .state(system, "", |at| at.x.clone());
-    // Only at the ends of steps is the solution as accurate as the run.
-    let ends = recording.points.iter().filter(|point| point.ends_step);
-    report.table(steps.csv("steps", ends)?);
+    if wanted.steps {
+        let steps = Table::new()
+            .column("t", |row: &&[f64]| row[0])
+            .state(system, "", |row| row[1..].to_vec());
+        report.table(steps.csv("steps", recording.steps.chunks_exact(1 + system.states()))?);
+    }
     let passages = Table::new()
         .column("t", |at: &&Passage| at.t)
         .column("direction", |at| direction_name(at.direction))
@@ -68,7 +79,9 @@ fn followed(prepared: &PreparedRun, t_end: Option<f64>) -> Result<Report, Failur
     if system.section() != Section::None {
         report.table(passages.csv("section", &recording.passages)?);
     }
-    report.field("section", passages.json(&recording.passages));
+    if lists {
+        report.field("section", passages.json(&recording.passages));
+    }
     report.field("error", &failure).failure(failure);
     Ok(report)
 }
@@ -119,10 +132,9 @@ fn counts(system: &System, recording: &Recording) -> Vec<String> {
     words.collect()
 }
 
-fn report(system: &System, recording: &Recording, ended: Option<&Summary>) -> Report {
-    let points = &recording.points;
-    let [from, to] =
-        [points.first(), points.last()].map(|point| point.map_or(f64::NAN, |point| point.t));
+/// The report; its lists are for programs, and take much memory where a run is long.
+fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists: bool) -> Report {
+    let (from, to) = (recording.begin.t, recording.end.t);
     let (begin, end) = (readable(from), readable(to));
     let (ending, by) = (ending(ended), stopped_by(system, recording, ended));
     let words = by
@@ -143,10 +155,11 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>) -> Re
         [] => "none".to_owned(),
         counts => counts.join(", "),
     };
-    report.line("transitions", counts).field(
-        "transitions",
-        transitions(system).json(&recording.transitions),
-    );
+    report.line("transitions", counts);
+    if lists {
+        let list = transitions(system).json(&recording.transitions);
+        report.field("transitions", list);
+    }
 
     let mut all = Map::new();
     for (number, contact) in system.file.contacts.iter().enumerate() {
@@ -162,23 +175,22 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>) -> Re
             "stick",
             format!("{times} times{name}, {total:.6} in all, {share:.1} % of the time"),
         );
-        all.insert(contact.name.clone(), json!(sticks));
+        if lists {
+            all.insert(contact.name.clone(), json!(sticks));
+        }
     }
     report.field("sticks", all);
 
     // No point is recorded after a jump that ends the run.
-    let last = ended.map(|ended| &ended.x);
-    let last = last.or(points.last().map(|point| &point.x));
-    if let Some(last) = last {
-        let states = system.file.states.iter().zip(last);
-        let states = states.map(|(state, &x)| format!("{} = {}", state.name, readable(x)));
-        let states: Vec<String> = states.collect();
-        report.line("state at end", states.join(", "));
-    }
-    report.field("x_end", last.map(|x| by_state(system, x.as_slice())));
+    let last = ended.map_or(&recording.end.x, |ended| &ended.x);
+    let states = system.file.states.iter().zip(last);
+    let states = states.map(|(state, &x)| format!("{} = {}", state.name, readable(x)));
+    let states: Vec<String> = states.collect();
+    report.line("state at end", states.join(", "));
+    report.field("x_end", by_state(system, last.as_slice()));
 
-    report.field("doubtful", &recording.doubt);
-    report.lines("doubtful", recording.doubt.clone());
+    report.field("doubtful", &recording.doubtful);
+    report.lines("doubtful", recording.doubtful.clone());
 
     if let Some(ended) = ended {
         let counters = &ended.counters;

@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
         .fields(json(&system, &line, &found))
         .table(points(&system, &line).csv("tangents", numbered(&found, |on_it| &on_it.points))?)
         .table(zones(&system, &line).csv("zones", numbered(&found, |on_it| &on_it.zones))?)
-        .figure("tangents", &figure(&system, &line, &found))?;
+        .figure("tangents", &figure(&system, &line, &found));
     let output = &arguments.output;
     Ok(report.written(output.out.as_ref(), output)?)
 }

@@ -1,11 +1,10 @@
 //! The tables and figures of an orbit.
 
 use plot::*;
-use stickslip::Mode;
 use stickslip::dynamics::Phase;
 
-use super::figures::{axis, extremes, symbol, time_label, with_unit};
-use super::recording::{Occurrence, Recording};
+use super::figures::{axis, symbol, time_label, with_unit};
+use super::recording::{Occurrence, Pictures, Recording};
 use crate::render::{OutputError, Report, Table};
 use stickslip_kernels::file::System;
 
@@ -14,6 +13,18 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 
 /// Colours of stick, by contact.
 const STICKS: [Color; 4] = [ORANGE, GREEN, PURPLE, VERMILLION];
+
+/// Width of the curves, px.
+pub(super) const CURVE_WIDTH: f64 = 1.2;
+
+/// Most points of the curves of a figure before those on straight lines are dropped, and most
+/// bands: about half a megabyte each.
+pub(super) const MOST_POINTS: usize = 160_000;
+const MOST_BANDS: usize = 4000;
+
+/// Size of the portrait, and bounds of the size of a state's panel in the time history, px.
+pub(super) const PORTRAIT_SIZE: (f64, f64) = (560.0, 480.0);
+pub(super) const HISTORY_SIZE: (f64, f64) = (720.0, STATE_PANEL_HEIGHT);
 
 /// Height of a state's panel in the time history, px.
 const STATE_PANEL_HEIGHT: f64 = 130.0;
@@ -58,10 +69,12 @@ pub(super) fn put(
     });
     report
         .table(phases.csv("phases", (1..).zip(&recording.phases))?)
-        .table(transitions.csv("transitions", &recording.transitions)?)
-        .figure("history", &history(system, recording))?;
-    if system.states() > 1 {
-        report.figure("portrait", &portrait(system, recording))?;
+        .table(transitions.csv("transitions", &recording.transitions)?);
+    if let Some(pictures) = &recording.pictures {
+        report.figure("history", &history(system, recording, pictures));
+        if system.states() > 1 {
+            report.figure("portrait", &portrait(system, recording, pictures));
+        }
     }
     Ok(())
 }
@@ -77,47 +90,32 @@ pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Occurrence> {
         .state(system, "", |at| at.x().clone())
 }
 
+/// Width of the line of a contact's stick in the portrait, px. Where several contacts stick, the
+/// wider lines of the first ones remain visible.
+pub(super) fn stick_width(contacts: usize, contact: usize) -> f64 {
+    3.0 + 1.5 * (contacts - 1 - contact).min(3) as f64
+}
+
 /// The phase portrait in the plane of the first two states, with stick in another colour.
-fn portrait(system: &System, recording: &Recording) -> Figure {
+fn portrait(system: &System, recording: &Recording, pictures: &Pictures) -> Figure {
     let states = &system.file.states;
-    let component = |k: usize| recording.points.iter().map(move |point| point.x[k]);
     let label = |k: usize| with_unit(&states[k].name, &states[k].unit);
-    let mut panel = Panel::new(axis(&label(0), component(0)), axis(&label(1), component(1)))
-        .legend(Legend::Below);
-    let times: Vec<f64> = recording.points.iter().map(|point| point.t).collect();
-    let curve = |keep: &dyn Fn(usize) -> bool| {
-        let points = recording.points.iter().enumerate();
-        Curve::new(points.map(|(k, point)| match keep(k) {
-            true => (point.x[0], point.x[1]),
-            false => (f64::NAN, f64::NAN),
-        }))
-    };
-    panel.add(curve(&|_| true).color(BLUE).width(1.2).legend("orbit"));
+    let [x, y] = [0, 1].map(|k| axis(&label(k), ends(pictures.extents[k])));
+    let mut panel = Panel::new(x, y).legend(Legend::Below);
+    let orbit = Curve::new(pictures.portrait.points()).color(BLUE);
+    panel.add(orbit.width(CURVE_WIDTH).legend("orbit"));
     let contacts = &system.file.contacts;
-    for (k, contact) in contacts.iter().enumerate() {
-        let sticks = recording.sticks_of(k);
-        if sticks.is_empty() {
+    for (k, (contact, stick)) in contacts.iter().zip(&pictures.sticks).enumerate() {
+        let points = stick.points();
+        if points.iter().all(|point| point.0.is_nan()) {
             continue;
         }
-        let is_stuck = |k: usize| {
-            // Of two points of one time the second is behind a jump, which may end the stick.
-            let is_behind_jump = k > 0 && times[k - 1] == times[k];
-            let is_over = |end: f64| end < times[k] || is_behind_jump && end == times[k];
-            let next = sticks.partition_point(|stick| is_over(stick.1));
-            sticks.get(next).is_some_and(|stick| stick.0 <= times[k])
-        };
         let name = match contacts.len() {
             1 => "stick".to_owned(),
             _ => format!("stick of {}", symbol(&contact.name)),
         };
-        // Where several contacts stick, the wider lines of the first ones remain visible.
-        let width = 3.0 + 1.5 * (contacts.len() - 1 - k).min(3) as f64;
-        let stick = curve(&is_stuck).color(STICKS[k % STICKS.len()]);
-        panel.add(stick.width(width).legend(&name));
-        // A stick without motion has no visible line, so it is drawn as a point.
-        let points = standing(recording, k);
-        let markers = Markers::new(points).size(width + 1.5);
-        panel.add(markers.color(STICKS[k % STICKS.len()]));
+        let stick = Curve::new(points).color(STICKS[k % STICKS.len()]).round();
+        panel.add(stick.width(stick_width(contacts.len(), k)).legend(&name));
     }
     for (k, jump) in system.file.jumps.iter().enumerate() {
         let places = recording.transitions.iter().filter_map(|at| match at {
@@ -132,10 +130,9 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
             panel.add(markers.size(5.0).legend(&symbol(&jump.name)));
         }
     }
-    if let Some(first) = recording.points.first() {
-        let start = Markers::new([(first.x[0], first.x[1])]).color(BLACK);
-        panel.add(start.open().legend("start"));
-    }
+    let begin = &recording.begin;
+    let start = Markers::new([(begin.x[0], begin.x[1])]).color(BLACK);
+    panel.add(start.open().legend("start"));
     if !recording.passages.is_empty() {
         let points = recording.passages.iter().map(|at| (at.x[0], at.x[1]));
         let section = Markers::new(points).size(4.0).color(VERMILLION);
@@ -147,40 +144,42 @@ fn portrait(system: &System, recording: &Recording) -> Figure {
         system.file.name,
         states[1].name,
         states[0].name,
-        recording.points.first().map_or(0.0, |point| point.t),
+        begin.t,
         phases.filter(|phase| phase.mode.any_sticks()).count()
     );
     let title = format!("{}: phase portrait", system.file.name);
-    Figure::new("portrait", (560.0, 480.0), &title, &description).row(1.0, panel)
+    Figure::new("portrait", PORTRAIT_SIZE, &title, &description).row(1.0, panel)
 }
 
-/// Points of the plane of the first two states at which a contact sticks without visible motion.
-fn standing(recording: &Recording, contact: usize) -> Vec<(f64, f64)> {
-    const INVISIBLE_FRACTION: f64 = 0.01;
-    let points = &recording.points;
-    let width = [0, 1].map(|k| {
-        let (low, high) = extremes(points.iter().map(|point| point.x[k]));
-        high - low
-    });
-    let is_stick = |phase: &&Phase| phase.mode.get(contact) == Mode::Stick;
-    let stands = recording.phases.iter().filter(is_stick).filter(|phase| {
-        let from = points.partition_point(|point| point.t < phase.t_start);
-        let end = points.partition_point(|point| point.t <= phase.t_end);
-        (0..2).all(|k| {
-            let (low, high) = extremes(points[from..end].iter().map(|point| point.x[k]));
-            high - low <= INVISIBLE_FRACTION * width[k]
-        })
-    });
-    stands
-        .map(|phase| (phase.x_end[0], phase.x_end[1]))
-        .collect()
+/// Both ends of a range.
+fn ends((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
+    [low, high].into_iter()
+}
+
+/// Intervals within a range of time, with those in one of `columns` columns as one of their total
+/// length, which looks the same where a column is narrower than a pixel.
+fn by_columns(sticks: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
+    if sticks.len() <= columns {
+        return sticks.to_vec();
+    }
+    let width = (to - from) / columns as f64;
+    let mut joined: Vec<(f64, f64)> = Vec::new();
+    let mut column_end = f64::NEG_INFINITY;
+    for &(begin, end) in sticks {
+        match joined.last_mut() {
+            Some(last) if end <= column_end => last.1 += end - begin,
+            _ => {
+                joined.push((begin, end));
+                column_end = from + (((end - from) / width).floor() + 1.0) * width;
+            }
+        }
+    }
+    joined
 }
 
 /// All states against time, and the intervals in which each contact sticks.
-fn history(system: &System, recording: &Recording) -> Figure {
-    let points = &recording.points;
-    let from = points.first().map_or(0.0, |point| point.t);
-    let to = points.last().map_or(1.0, |point| point.t);
+fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figure {
+    let (from, to) = (recording.begin.t, recording.end.t);
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
     // The minimum is the room for the label beside the strips.
@@ -202,12 +201,19 @@ fn history(system: &System, recording: &Recording) -> Figure {
             _ => "; under them when each contact sticks",
         }
     );
-    let mut figure = Figure::new("history", (720.0, height), &title, &description);
-    let all_sticks: Vec<Vec<(f64, f64)>> = (0..system.contacts())
-        .map(|contact| recording.sticks_of(contact))
-        .collect();
+    let mut figure = Figure::new("history", (HISTORY_SIZE.0, height), &title, &description);
+    // The sticks of a single contact are also behind each state.
+    let strips_of_sticks = match system.contacts() {
+        1 => 1 + states.len(),
+        contacts => contacts,
+    };
+    let all_sticks = (0..system.contacts()).map(|contact| {
+        let columns = MOST_BANDS / strips_of_sticks;
+        by_columns(&recording.sticks_of(contact), (from, to), columns)
+    });
+    let all_sticks: Vec<Vec<(f64, f64)>> = all_sticks.collect();
     for (k, state) in states.iter().enumerate() {
-        let values = points.iter().map(|point| point.x[k]);
+        let values = ends(pictures.extents[k]);
         let label = with_unit(&state.name, &state.unit);
         // Without contacts the time axis is below the panel of the last state.
         let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
@@ -221,8 +227,8 @@ fn history(system: &System, recording: &Recording) -> Figure {
                 panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
             }
         }
-        let curve = Curve::new(points.iter().map(|point| (point.t, point.x[k])));
-        panel.add(curve.color(COLOURS[k % COLOURS.len()]).width(1.2));
+        let curve = Curve::new(pictures.history[k].points());
+        panel.add(curve.color(COLOURS[k % COLOURS.len()]).width(CURVE_WIDTH));
         figure = figure.row(height, panel);
     }
     let rows = system.contacts();

@@ -63,9 +63,6 @@ pub enum OutputError {
     /// The rows cannot be written as CSV.
     #[error("cannot put the rows into CSV: {0}")]
     Csv(#[from] csv::Error),
-    /// The drawing failed.
-    #[error(transparent)]
-    Plot(#[from] plot::PlotError),
     /// A figure cannot be converted to PNG.
     #[error("{0}{hint}", hint = if_not_built(.0))]
     Png(#[from] PngError),
@@ -191,19 +188,24 @@ impl Report {
         self
     }
 
-    /// Adds a figure to write.
-    pub(crate) fn figure(
-        &mut self,
-        name: &str,
-        figure: &plot::Figure,
-    ) -> Result<&mut Self, OutputError> {
-        self.figures.push((name.to_owned(), figure.render()?));
-        Ok(self)
+    /// Adds a figure to write. One that cannot be drawn is left out, and the command fails after
+    /// everything else is written.
+    pub(crate) fn figure(&mut self, name: &str, figure: &plot::Figure) -> &mut Self {
+        match figure.render() {
+            Ok(svg) => self.figures.push((name.to_owned(), svg)),
+            Err(error) => self.left_out(name, &error),
+        }
+        self
+    }
+
+    fn left_out(&mut self, figure: &str, error: &dyn Display) {
+        let words = || format!("the figure {figure} is left out: {error}");
+        self.failure.get_or_insert_with(words);
     }
 
     /// An error that occurred after the results were computed.
     pub(crate) fn failure(&mut self, failure: Option<String>) -> &mut Self {
-        self.failure = failure;
+        self.failure = failure.or(self.failure.take());
         self
     }
 
@@ -229,10 +231,11 @@ impl Report {
         let mut artifacts = std::mem::take(&mut self.tables);
         for (name, svg) in std::mem::take(&mut self.figures) {
             if output.png {
-                artifacts.push(Artifact {
-                    name: format!("{name}.png"),
-                    bytes: output::png(&svg)?,
-                });
+                let file = format!("{name}.png");
+                match output::png(&svg) {
+                    Ok(bytes) => artifacts.push(Artifact { name: file, bytes }),
+                    Err(error) => self.left_out(&file, &error),
+                }
             }
             artifacts.push(Artifact::text(format!("{name}.svg"), svg));
         }

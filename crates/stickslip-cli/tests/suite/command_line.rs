@@ -1307,7 +1307,7 @@ end = 3
         "{doubt}"
     );
     let run = [&["simulate", "rod.toml", "--out", "o"], &start[..]].concat();
-    let doubt = json(top.path(), &run)["doubtful"]
+    let doubt = json(top.path(), &run)["doubtful"][0]
         .as_str()
         .map(str::to_owned);
     let doubt = doubt.unwrap_or_default();

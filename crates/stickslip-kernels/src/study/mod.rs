@@ -9,6 +9,7 @@ pub mod largest;
 mod phases;
 mod reached;
 mod search;
+mod step_monitor;
 pub mod tangents;
 mod warnings;
 
@@ -22,6 +23,7 @@ pub use friction::FrictionWatch;
 pub use phases::phases_of_period;
 pub use reached::reported;
 pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};
+pub use step_monitor::StepMonitor;
 pub use warnings::warnings;
 
 use crate::file::System;

@@ -99,7 +99,8 @@ pub enum AtPileUp {
 pub struct Options {
     /// Relative error allowed per step; default 1e-10.
     pub rtol: f64,
-    /// Absolute error allowed per step, in the units of the state; default 1e-10.
+    /// Absolute error allowed per step, in the units of the state; default 1e-10. States that stay
+    /// far below it are not resolved.
     pub atol: f64,
     /// Integrator; default [`Method::Dop853`].
     pub method: Method,
@@ -157,8 +158,10 @@ impl Default for Options {
     }
 }
 
-/// Smallest tolerance: a few units in the last place of a double.
+/// Smallest relative tolerance: a few units in the last place of a double.
 const MIN_TOLERANCE: f64 = 1e-15;
+/// Smallest absolute tolerance: those of smaller errors would lose digits.
+const MIN_ABSOLUTE: f64 = 1e-280;
 /// Largest tolerance. Chosen: above it a method of order 8 does not follow the solution.
 const MAX_TOLERANCE: f64 = 0.1;
 
@@ -222,7 +225,7 @@ impl Options {
 
     /// With a tenth of the tolerances, as far as double precision allows.
     pub(crate) fn finer(self) -> Self {
-        let finer = |tolerance: f64| (0.1 * tolerance).max(MIN_TOLERANCE);
+        let finer = |tolerance: f64| (0.1 * tolerance).max(MIN_TOLERANCE.min(tolerance));
         Options {
             rtol: finer(self.rtol),
             atol: finer(self.atol),
@@ -251,10 +254,12 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
-        let tolerances = "between 1e-15 and 0.1";
-        let allowed = |tol: f64| (MIN_TOLERANCE..=MAX_TOLERANCE).contains(&tol);
-        require(allowed(self.rtol), "rtol", self.rtol, tolerances)?;
-        require(allowed(self.atol), "atol", self.atol, tolerances)?;
+        let allowed = |tol: f64, least: f64| (least..=MAX_TOLERANCE).contains(&tol);
+        let (relative, absolute) = (self.rtol, self.atol);
+        let is_allowed = allowed(relative, MIN_TOLERANCE);
+        require(is_allowed, "rtol", relative, "between 1e-15 and 0.1")?;
+        let is_allowed = allowed(absolute, MIN_ABSOLUTE);
+        require(is_allowed, "atol", absolute, "between 1e-280 and 0.1")?;
         if let Some(step) = self.fixed_step() {
             let good = step > 0.0 && step.is_finite();
             require(good, "method.step", step, "positive and finite")?;

@@ -240,7 +240,7 @@ impl Sweep for Basin {
                 one.reached.points.first().map(|at| at.x.clone())
             });
         report.table(table.csv("attractors", in_order.iter().copied())?);
-        report.figure("basin", &self.figure(&attractors, &reached, system))?;
+        report.figure("basin", &self.figure(&attractors, &reached, system));
         Ok(report)
     }
 }

@@ -251,7 +251,7 @@ impl Sweep for Bifurcation {
         let rows = DIRECTION_NAMES.into_iter().zip(&directions);
         let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
         report.table(table.csv("changes", rows)?);
-        report.figure("bifurcation", &self.figure(&directions, system))?;
+        report.figure("bifurcation", &self.figure(&directions, system));
         Ok(report)
     }
 }

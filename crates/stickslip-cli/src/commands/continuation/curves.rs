@@ -70,7 +70,7 @@ pub(super) fn report(
             row.2.x.as_slice()[..states].to_vec()
         });
     report.table(table.csv("curves", rows)?);
-    report.figure("curves", &diagram(system, range, also, curves))?;
+    report.figure("curves", &diagram(system, range, also, curves));
     Ok(())
 }
 

@@ -64,7 +64,7 @@ pub(super) fn report(
     report.field("ends", ends);
     report.table(columns(system, name, points).csv("equilibria", points)?);
     report.table(special_columns(system, name).csv("equilibria-special", special)?);
-    report.figure("equilibria", &diagram(system, range, points, special))?;
+    report.figure("equilibria", &diagram(system, range, points, special));
     Ok(report)
 }
 

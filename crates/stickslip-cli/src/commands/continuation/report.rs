@@ -82,7 +82,7 @@ pub(super) fn of(
         rows((k, one), others, system)
     });
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
-    report.figure("continue", &figure::diagram(system, range, &branches))?;
+    report.figure("continue", &figure::diagram(system, range, &branches));
     Ok(report)
 }
 

@@ -337,7 +337,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     report.fields(json::fields(&findings, &source, &warnings));
     let mut answer = match &arguments.out {
         Some(folder) => {
-            report.figure("spectrum", &figure::figure(&findings, &source.input))?;
+            report.figure("spectrum", &figure::figure(&findings, &source.input));
             let output = OutputArguments {
                 out: folder.clone(),
                 json: arguments.json,

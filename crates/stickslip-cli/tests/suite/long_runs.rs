@@ -1,0 +1,148 @@
+//! Runs that are long, stiff, or too much for a figure.
+
+use std::fmt::Write;
+
+use predicates::prelude::*;
+use predicates::str::contains;
+
+use super::public_cases::program;
+
+/// An oscillator that a wall at 0.1 throws back.
+const IMPACT: &str = r#"
+name = "impact oscillator"
+[time]
+end = 6000
+[states]
+x = ""
+v = ""
+[jumps.wall]
+when = "x - 0.1"
+set = { v = "-0.8*v" }
+[field]
+x = "v"
+v = "-x - 0.1*v + cos(2*t)"
+[start]
+x = 0
+v = 0
+"#;
+
+#[test]
+fn figures_of_a_long_run_are_small() {
+    let (top, mut command) = program(IMPACT);
+    command.args(["simulate", "system.toml", "--out", "out"]);
+    command.assert().success().stderr("");
+    for (file, most) in [("history.svg", 1_000_000), ("portrait.svg", 1_000_000)] {
+        let svg = std::fs::read_to_string(top.path().join("out").join(file)).unwrap();
+        roxmltree::Document::parse(&svg).unwrap();
+        assert!(svg.len() < most, "{file}: {}", svg.len());
+    }
+}
+
+#[test]
+fn figures_and_steps_can_be_left_out() {
+    let (top, mut command) = program(IMPACT);
+    command.args(["simulate", "system.toml", "--until", "20", "--out", "out"]);
+    command
+        .args(["--no-figures", "--no-steps"])
+        .assert()
+        .success();
+    let files = std::fs::read_dir(top.path().join("out")).unwrap();
+    let mut files: Vec<_> = files.map(|file| file.unwrap().file_name()).collect();
+    files.sort();
+    assert_eq!(files, ["phases.csv", "transitions.csv"]);
+}
+
+#[test]
+fn a_legend_without_room_costs_no_result() {
+    let mut text =
+        "name = \"s\"\n[time]\nend = 5\n[states]\nx = \"\"\n[discrete]\nn = 0\n".to_owned();
+    for k in 0..200 {
+        let at = 0.001 * f64::from(k + 1);
+        let _ = write!(
+            text,
+            "[jumps.j{k}]\nwhen = \"x - {at}\"\nset = {{ n = \"n + 1\" }}\n"
+        );
+    }
+    text += "[field]\nx = \"1\"\n[start]\nx = 0\n";
+    let (top, mut command) = program(&text);
+    command.args(["simulate", "system.toml", "--out", "out"]);
+    command
+        .assert()
+        .success()
+        .stdout(contains("x = 5, n = 200"));
+    let svg = std::fs::read_to_string(top.path().join("out/portrait.svg")).unwrap();
+    assert!(svg.contains(" more<"));
+}
+
+#[test]
+fn a_figure_that_fails_costs_no_table() {
+    let text = "name = \"s\"\n[time]\nend = 709.6\n[states]\nx = \"\"\ny = \"\"\n[field]\n\
+        x = \"x - 5*y\"\ny = \"5*x + y\"\n[start]\nx = 1\ny = 0\n";
+    let (top, mut command) = program(text);
+    command.args(["simulate", "system.toml", "--escape", "inf", "--out", "out"]);
+    let failure = contains("the figure history is left out").and(contains("both ends must be"));
+    command
+        .assert()
+        .code(1)
+        .stdout(contains("end time"))
+        .stderr(failure);
+    assert!(top.path().join("out/steps.csv").exists());
+    assert!(!top.path().join("out/history.svg").exists());
+}
+
+#[test]
+fn a_stiff_run_says_so_once_and_ends() {
+    let text = "name = \"s\"\n[time]\nend = 5\n[states]\nx = \"\"\n[field]\n\
+        x = \"-1e7*(x - cos(t))\"\n[start]\nx = 1\n";
+    for method in ["taylor", "dop853"] {
+        let (_top, mut command) = program(text);
+        command.args(["simulate", "system.toml", "--most-steps", "4000"]);
+        let output = command.args(["--method", method]).output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        assert_eq!(stderr.matches("the system is stiff").count(), 1, "{stderr}");
+        assert!(
+            stderr.contains("e6 of them are to come") || stderr.contains("e7 of them"),
+            "{stderr}"
+        );
+        assert!(stderr.contains("--most-steps"), "{stderr}");
+    }
+}
+
+#[test]
+fn runs_of_many_events_or_small_steps_are_not_stiff() {
+    for arguments in [
+        &["--until", "600"][..],
+        &["--until", "1", "--longest-step", "1e-4"],
+    ] {
+        let (_top, mut command) = program(IMPACT);
+        command.args(["simulate", "system.toml"]).args(arguments);
+        command.assert().success().stderr("");
+    }
+}
+
+/// Leine's oscillator with a unit of length, and a unit of time of as many seconds as that of
+/// metres allows.
+fn leine(length: &str) -> String {
+    format!(
+        "name = \"Leine\"\n[time]\nend = 60e-12\n[states]\nx = \"\"\nv = \"\"\n[parameters]\n\
+            L = {length}\ntau = 1e-12\n[contacts.c]\nboundary = \"v - 0.2*L/tau\"\n\
+            friction = \"L/tau^2/(1 + 3*c*(v*tau/L - 0.2))\"\n[field]\nx = \"v\"\n\
+            v = \"-x/tau^2 - friction(c)\"\n[start]\nx = 0\nv = \"0.2*L/tau\"\n"
+    )
+}
+
+#[test]
+fn a_state_far_below_its_tolerance_is_named_with_one_that_resolves_it() {
+    let (_top, mut command) = program(&leine("1e-15"));
+    command.args(["simulate", "system.toml"]);
+    let warning = contains("the state x stays within").and(contains("give --atol 1e-2"));
+    command.assert().success().stdout(warning);
+    let transitions = "5 × stick entry, 5 × stick exit";
+    let (_top, mut command) = program(&leine("1e-15"));
+    command.args(["simulate", "system.toml", "--atol", "1e-27"]);
+    command
+        .assert()
+        .success()
+        .stdout(contains(transitions).and(contains("stays within").not()));
+}

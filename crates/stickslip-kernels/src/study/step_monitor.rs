@@ -1,0 +1,142 @@
+//! What the steps of a run show about it: that it is stiff, or that a state is far below its
+//! tolerance.
+
+use stickslip::dynamics::Step;
+use stickslip::error::readable;
+use stickslip::{Options, math};
+
+use crate::file::{Interface, System};
+
+/// Number of steps through whose ends the next one is extrapolated.
+const ENDS: usize = 4;
+
+/// A step is smooth if extrapolation misses its end by up to this many tolerances. The error of a
+/// step of order 8 is of this size where extrapolation, of order 4, is far off.
+const SMOOTH: f64 = 10.0;
+
+/// A run is stiff after as many smooth steps in a row.
+const SMOOTH_STEPS: u32 = 1000;
+
+/// Fewer expected steps than this take no time worth a warning.
+const FEW_STEPS: f64 = 1e5;
+
+/// A state is far below its tolerance if it stays within so many of them.
+const FAR_BELOW: f64 = 10.0;
+
+/// Watches the steps of a run.
+#[derive(Clone, Debug)]
+pub struct StepMonitor {
+    options: Options,
+    t_end: f64,
+    /// Times and states at the ends of the last steps, the oldest first.
+    ends: Vec<(f64, Vec<f64>)>,
+    /// Number of smooth steps in a row, and the time at which they began.
+    smooth: (u32, f64),
+    is_told: bool,
+    /// Minimum and maximum of each state.
+    extents: Vec<(f64, f64)>,
+}
+
+impl StepMonitor {
+    /// A monitor of a run from a start.
+    pub fn new((t, x): (f64, &[f64]), t_end: f64, options: &Options) -> Self {
+        StepMonitor {
+            options: *options,
+            t_end,
+            ends: vec![(t, x.to_vec())],
+            smooth: (0, t),
+            is_told: false,
+            extents: x.iter().map(|&x| (x, x)).collect(),
+        }
+    }
+
+    /// Minimum and maximum of each state at the ends of the steps so far.
+    pub fn extents(&self) -> &[(f64, f64)] {
+        &self.extents
+    }
+
+    /// Takes a step into account. Returns a warning, once, if the run is stiff: error control
+    /// would allow longer steps, since a polynomial of low degree through the ends of the last
+    /// steps meets the end of this one, and stability does not.
+    pub fn step(&mut self, step: &Step, interface: &impl Interface) -> Option<String> {
+        let (t, x) = (step.t_end, step.x_end.as_slice());
+        for ((low, high), &x) in self.extents.iter_mut().zip(x) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+        // Behind a jump the orbit begins anew.
+        if self
+            .ends
+            .last()
+            .is_some_and(|(_, x)| x[..] != *step.x_start.as_slice())
+        {
+            self.ends.clear();
+        }
+        let is_bounded = step.t_end - step.t_start >= 0.99 * self.options.longest_step;
+        if self.ends.len() < ENDS || is_bounded || !self.meets(t, x) {
+            self.smooth = (0, t);
+        }
+        if self.ends.len() == ENDS {
+            self.ends.rotate_left(1);
+            let (time, state) = &mut self.ends[ENDS - 1];
+            *time = t;
+            state.copy_from_slice(x);
+        } else {
+            self.ends.push((t, x.to_vec()));
+        }
+        let (count, begin) = &mut self.smooth;
+        *count += 1;
+        if self.is_told || *count < SMOOTH_STEPS {
+            return None;
+        }
+        let length = (t - *begin) / f64::from(*count);
+        let expected = (self.t_end - t) / length;
+        if expected < FEW_STEPS {
+            return None;
+        }
+        self.is_told = true;
+        Some(format!(
+            "the system is stiff at t = {}: the solution is smooth, but stability limits the steps \
+             to about {length:.1e}; some {expected:.0e} of them are to come. End the run earlier, \
+             replace the fastest state by its equilibrium, or use an implicit solver where \
+             nothing switches; {} ends a run that takes too long",
+            readable(t),
+            interface.name("most_steps"),
+        ))
+    }
+
+    /// Whether the polynomial through the last ends meets a state to within the tolerance
+    /// (Neville's scheme).
+    fn meets(&self, t: f64, x: &[f64]) -> bool {
+        x.iter().enumerate().all(|(i, &x)| {
+            let mut p: [f64; ENDS] = std::array::from_fn(|k| self.ends[k].1[i]);
+            for degree in 1..ENDS {
+                for k in 0..ENDS - degree {
+                    let (from, to) = (self.ends[k].0, self.ends[k + degree].0);
+                    p[k] = ((t - from) * p[k + 1] - (t - to) * p[k]) / (to - from);
+                }
+            }
+            let allowed = self.options.atol + self.options.rtol * x.abs();
+            (p[0] - x).abs() <= SMOOTH * allowed
+        })
+    }
+
+    /// A warning for each state whose whole motion is far below its tolerance.
+    pub fn below_tolerance(&self, system: &System, interface: &impl Interface) -> Vec<String> {
+        let states = system.file.states.iter().zip(&self.extents);
+        let below = states.filter_map(|(state, &(low, high))| {
+            let size = low.abs().max(high.abs());
+            if !(low < high && size <= FAR_BELOW * self.options.atol) {
+                return None;
+            }
+            let wanted = math::log10(self.options.rtol * size).floor() as i32;
+            Some(format!(
+                "the state {} stays within {size:.1e}, and its absolute tolerance is {:.0e}: its \
+                 motion is not resolved; give {} 1e{wanted}, or choose a smaller unit",
+                state.name,
+                self.options.atol,
+                interface.name("atol"),
+            ))
+        });
+        below.collect()
+    }
+}
