@@ -16,6 +16,10 @@ use crate::system::State;
 /// do not change the time.
 pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// Roundings of time since a phase began within which a state that outruns them is too fast for
+/// its times. Chosen: the steps before a singularity span more than that.
+const TOO_LATE: f64 = 1e9;
+
 /// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
@@ -156,17 +160,47 @@ impl<const N: usize, const G: usize> Run<N, G> {
         !is_last && h <= TIME_ROUNDING * self.at.t.abs() || h < f64::MIN_POSITIVE
     }
 
-    /// The step shrank until time no longer moves.
+    /// The step shrank until time no longer moves, by a setting, by the rounding of time or by the
+    /// solution.
     pub(crate) fn collapse(&self, slope: &State<N>, step: f64) -> Error {
         if slope.iter().any(|v| !v.is_finite()) {
             return self.non_finite(step);
         }
+        let (Timed { t, x }, options) = (&self.at, &self.options);
+        let rounding = (TIME_ROUNDING * t.abs()).max(f64::MIN_POSITIVE);
+        let bounds = [
+            ("longest_step", Some(options.longest_step)),
+            ("method.step", options.fixed_step()),
+            ("first_step", options.first_step),
+        ];
+        let given = bounds
+            .into_iter()
+            .filter_map(|(name, bound)| Some((name, bound?)));
+        let is_too_small = |&(_, bound): &(_, f64)| step <= bound && bound <= rounding;
+        let (bound, step) = given
+            .filter(is_too_small)
+            .map(|(name, bound)| (Some(name), bound))
+            .next()
+            .unwrap_or((None, step));
+        let outruns =
+            |i: usize| slope[i].abs() * rounding > options.atol + options.rtol * x[i].abs();
+        let is_late = t - self.from.t <= TOO_LATE * rounding && (0..self.states).any(outruns);
+        let (t, x) = (*t, Point::from(x));
+        if bound.is_some() || is_late {
+            return Error::TimeRounding {
+                t,
+                x,
+                step,
+                rounding,
+                bound,
+            };
+        }
         Error::StepCollapse {
-            t: self.at.t,
-            x: Point::from(&self.at.x),
+            t,
+            x,
             step,
-            rtol: self.options.rtol,
-            atol: self.options.atol,
+            rtol: options.rtol,
+            atol: options.atol,
         }
     }
 
