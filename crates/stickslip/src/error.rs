@@ -186,6 +186,19 @@ pub enum Error {
         /// Absolute tolerance.
         atol: f64,
     },
+    /// The orbit comes to where the field is not Lipschitz: within the tolerance its slope grows
+    /// without bound, and the equation does not say what follows.
+    #[error(
+        "the field is not Lipschitz at t = {t}, x = {x}: its slope grows without bound on the last \
+            part of the way, as of √x at 0, and no solution is the only one beyond; end the run \
+            before, or write what follows as a contact", t = readable(*t)
+    )]
+    NotLipschitz {
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
     /// The next step is below the rounding of times, and would not move the time.
     #[error(
         "a step of {step:e} does not move the time at t = {t}, x = {x}, since times there are \
@@ -530,6 +543,7 @@ impl Error {
             | Error::Undefined { t, x, .. }
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }
+            | Error::NotLipschitz { t, x }
             | Error::TimeRounding { t, x, .. }
             | Error::TooMany { t, x, .. }
             | Error::Interrupted { t, x }

@@ -207,6 +207,34 @@ fn a_time_that_is_too_coarse_and_a_step_that_is_too_small_are_named() {
     }
 }
 
+#[test]
+fn a_field_that_is_not_lipschitz_ends_the_run_where_the_orbit_meets_that() {
+    for tolerance in [1e-8, 1e-10, 1e-12] {
+        for options in methods(tolerance) {
+            let failure = solve(&Line::Torricelli, 0.0, [1.0], 5.0, &options).unwrap_err();
+            let Error::NotLipschitz { t, ref x } = failure.error else {
+                panic!("{options:?}: {}", failure.error);
+            };
+            // The state is then within thirty tolerances of x = (1 - t/2)^2 = 0.
+            let orbit = &failure.partial;
+            let off = (orbit.x_end[0] - math::powi(1.0 - 0.5 * t, 2)).abs();
+            assert!(
+                (t - 2.0).abs() < 20.0 * tolerance.sqrt(),
+                "{options:?}: {t}"
+            );
+            assert!(
+                x.0[0] < 100.0 * tolerance && off < 100.0 * tolerance,
+                "{off:e}"
+            );
+            assert!(
+                orbit.counters.steps < 200,
+                "{options:?}: {:?}",
+                orbit.counters
+            );
+        }
+    }
+}
+
 /// Whether a field that only turns fast is taken for one that holds the orbit.
 #[derive(Clone, Copy)]
 pub struct Wave;

@@ -389,6 +389,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         };
         self.rejected = !step_series.solves_equation(flow, &slope_there, &checked, &run.options);
         if self.rejected {
+            run.check_lipschitz(flow)?;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
