@@ -224,11 +224,10 @@ impl<const M: usize> Problem<M> {
         if !right[..count].iter().all(|share| share.is_finite()) {
             // The pivots of contacts that do not affect their own rates vanish.
             let rows = DMatrix::from_fn(count, count, |i, j| problem.0[i][j]);
-            let exchanged = rows
-                .lu()
-                .solve(&DVector::from_column_slice(&problem.1[..count]));
-            right[..count].fill(f64::NAN);
-            exchanged.inspect(|found| right[..count].copy_from_slice(found.as_slice()));
+            let loads = DVector::from_column_slice(&problem.1[..count]);
+            if let Some(found) = rows.lu().solve(&loads) {
+                right[..count].copy_from_slice(found.as_slice());
+            }
         }
         for (row, &i) in holding[..count].iter().enumerate() {
             shares[i] = right[row];
