@@ -85,7 +85,7 @@ pub fn pile_up_in_words(accumulation: Option<&Accumulation>, span: f64, option: 
     };
     format!(
         "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
-         accumulation point, t = {t} ± {uncertainty:.1e}, x = {x}, {what_follows}"
+         accumulation point, t = {t:?} ± {uncertainty:.1e}, x = {x}, {what_follows}"
     )
 }
 
@@ -186,6 +186,39 @@ pub enum Error {
         /// Absolute tolerance.
         atol: f64,
     },
+    /// The orbit comes to where the field is not Lipschitz: within the tolerance its slope grows
+    /// without bound, and the equation does not say what follows.
+    #[error(
+        "the field is not Lipschitz at t = {t}, x = {x}: its slope grows without bound on the last \
+            part of the way, as of √x at 0, and no solution is the only one beyond; end the run \
+            before, or write what follows as a contact", t = readable(*t)
+    )]
+    NotLipschitz {
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+    },
+    /// The next step is below the rounding of times, and would not move the time.
+    #[error(
+        "a step of {step:e} does not move the time at t = {t}, x = {x}, since times there are \
+            rounded to {rounding:e}: {}begin the run nearer to time zero",
+        bound.map_or_else(String::new, |name| format!("raise {name} above that, or ")),
+        t = readable(*t)
+    )]
+    TimeRounding {
+        /// Time reached.
+        t: f64,
+        /// State reached.
+        x: Point,
+        /// Step length that was too small.
+        step: f64,
+        /// Rounding of a time there.
+        rounding: f64,
+        /// Name of the setting that bounds the step, as in [`crate::Options`]. Without one, the
+        /// state moves by more than the tolerance within the rounding.
+        bound: Option<&'static str>,
+    },
     /// A run is longer than allowed.
     #[error(
         "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to \
@@ -230,8 +263,8 @@ pub enum Error {
         accumulation: Option<Box<Accumulation>>,
     },
     /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
-    /// change and holds the orbit there, as a discontinuity boundary does. A field that only turns
-    /// so often needs a larger [`crate::Options::pile_up_count`].
+    /// change and holds the orbit there, as a discontinuity boundary does: only rounding moves the
+    /// orbit from one reversal to the next.
     #[error(
         "the field reversed {count} times within {span:e} before t = {t}, x = {x}: comparisons \
             in it hold the orbit where they come out otherwise; write the difference of what they \
@@ -430,6 +463,20 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// A jump sets off another one, at which the field changes: tangent vectors have no image.
+    #[error(
+        "jump {jump} follows another one in the same instant at t = {t}, x = {x}, and the field \
+            changes at it, so that the derivative of the flow is singular; let one jump set what \
+            both set, or the second one happen later", t = readable(*t)
+    )]
+    ChainedJumps {
+        /// Time.
+        t: f64,
+        /// State before the second jump.
+        x: Point,
+        /// The second jump; the jumps are counted after the contacts.
+        jump: usize,
+    },
     /// A failure of an earlier run, in the words that were recorded of it.
     #[error("{words}")]
     Recorded {
@@ -496,6 +543,8 @@ impl Error {
             | Error::Undefined { t, x, .. }
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }
+            | Error::NotLipschitz { t, x }
+            | Error::TimeRounding { t, x, .. }
             | Error::TooMany { t, x, .. }
             | Error::Interrupted { t, x }
             | Error::EventPileUp { t, x, .. }
@@ -509,6 +558,7 @@ impl Error {
             | Error::NotAdditive { t, x, .. }
             | Error::NoUniqueFuture { t, x }
             | Error::Shrunk { t, x }
+            | Error::ChainedJumps { t, x, .. }
             | Error::TangentSingular { t, x } => Some((t, x)),
             _ => None,
         }

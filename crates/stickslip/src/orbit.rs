@@ -65,8 +65,8 @@ pub enum Ending {
     /// The orbit has reached a two-fold, where both fields are tangent to Σ and the future is not
     /// unique (see [`crate::AtRepelling`]).
     TwoFold(TwoFold),
-    /// The orbit has shrunk to a point of Σ. It circles there without end, and no phase moves the
-    /// state by more than the tolerance.
+    /// The orbit has shrunk to a point of Σ, where time does not move it. It circles there without
+    /// end, and each phase moves the state by less, below the tolerance.
     Shrunk,
     /// The observer stopped the run, or a terminal event did
     /// ([`crate::EventFunctions::is_terminal`]).

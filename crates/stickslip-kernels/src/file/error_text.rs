@@ -147,7 +147,15 @@ pub trait Interface {
             }
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
             Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),
-            Error::TooMany { name, .. } => error.to_string().replace(name, &self.name(name)),
+            Error::ChainedJumps { jump, .. } => {
+                let number = format!("jump {jump} ");
+                let named = format!("the jump {} ", name(*jump));
+                error.to_string().replacen(&number, &named, 1)
+            }
+            Error::TooMany { name, .. }
+            | Error::TimeRounding {
+                bound: Some(name), ..
+            } => error.to_string().replace(name, &self.name(name)),
             Error::NoUniqueFuture { t, x } => format!(
                 "the orbit has no unique future after t = {}, x = {x}: both fields lead away from \
                  the boundary; choose one with {}, or start elsewhere",

@@ -228,6 +228,7 @@ impl Search<'_> {
             Error::NotConverged { .. }
                 | Error::NotFound { .. }
                 | Error::TangentSingular { .. }
+                | Error::ChainedJumps { .. }
                 | Error::EventPileUp { .. }
                 | Error::Shrunk { .. }
         );

@@ -90,8 +90,8 @@ impl<'a> Tangent<'a> {
     /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
     ///
     /// # Errors
-    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump. Also where
-    /// another jump in the same instant triggers this one, and the field changes at it.
+    /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
+    /// [`Error::ChainedJumps`].
     fn reset(&self, at: &Transition) -> Result<Jump, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
@@ -109,7 +109,8 @@ impl<'a> Tangent<'a> {
         let is_triggered =
             self.system.kink(&here).is_none() && reset.value.abs() > self.carrying.tolerance * size;
         if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
-            return Err(singular(at.t, &at.x));
+            let (t, x, jump) = (at.t, Point::from(&at.x), at.contact);
+            return Err(Error::ChainedJumps { t, x, jump });
         }
         let kick = if is_triggered { kick * 0.0 } else { kick };
         let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;

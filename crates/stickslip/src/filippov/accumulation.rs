@@ -19,14 +19,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         // not separate steps.
         let series = match &error {
             Error::EventPileUp { .. } => return self.resolve_pile_up(self.pile_up.series()),
-            Error::StepCollapse { .. } => self.pile_up.series_reached_at(t, options),
+            Error::StepCollapse { .. } | Error::TimeRounding { .. } => {
+                self.pile_up.series_reached_at(t, options)
+            }
             Error::NoUniqueMode { contacts, .. } => self.pile_up.series_of_contacts(t, contacts),
             _ => None,
         };
         if series.is_some() {
             return self.resolve_pile_up(series);
         }
-        if let Error::StepCollapse { .. } = error
+        if let Error::StepCollapse { .. } | Error::TimeRounding { .. } = error
             && let Some(guard) = self.system.guard_at_collapse(&self.run, self.mode)
         {
             self.run.event = Some(Event {
@@ -56,7 +58,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             return Ok(Due::Accumulation);
         }
         let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
-        let shrinks = series.is_none() && self.pile_up.shrinks();
+        let shrinks = series.is_none() && self.pile_up.shrinks(&self.run.options);
         let ending = two_fold.or(shrinks.then_some(Ending::Shrunk));
         let Some(ending) = ending else {
             let (at, options) = (&self.run.at, &self.run.options);

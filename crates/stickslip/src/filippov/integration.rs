@@ -8,11 +8,11 @@ use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
 use super::run::{Run, Trial};
 use super::stepper::{Stepper, Work};
-use super::switched::{Next, Settled, StickingPoint, Switched, UseFlow, Velocity};
+use super::switched::{IsDriven, Next, Settled, StickingPoint, Switched, UseFlow};
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::{Counters, Ending, Summary};
-use crate::system::{IntoState, Mode, State, components};
+use crate::system::{IntoState, Mode, State};
 use crate::taylor::recorded_calls::RecordedCalls;
 
 /// What happened in an integration; see [`Integration::step`].
@@ -69,6 +69,8 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) due: Due,
     /// Whether the next step is prepared.
     is_ready: bool,
+    /// Whether inputs move the state at times that the run ends at in between.
+    pub(super) has_inputs: bool,
     /// Whether the observer has asked for the end of the run at the end of a phase.
     pub(super) is_stopping: bool,
 }
@@ -175,6 +177,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             recordings: Recordings::default(),
             due: Due::Begin,
             is_ready: false,
+            has_inputs: false,
             is_stopping: false,
         }
     }
@@ -279,6 +282,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             }
         };
         self.last_mode = self.mode;
+        self.pile_up.follow(&self.run);
         Ok(true)
     }
 
@@ -439,11 +443,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Counts a transition of a contact into `mode`.
     pub(super) fn record_event(&mut self, contact: usize, mode: S::Mode) -> Result<(), Error> {
         self.run.record_event()?;
-        let Timed { t, x } = self.run.at;
-        let velocity = Velocity(t, components(&x));
-        let velocity = self.system.with_flow(mode, self.branch, velocity).into();
         let (at, options) = (&self.run.at, &self.run.options);
-        if self.pile_up.record(at, (contact, mode), &velocity, options) {
+        let (system, branch, has_inputs) = (self.system, self.branch, self.has_inputs);
+        let is_driven = || has_inputs || system.with_flow(mode, branch, IsDriven(at));
+        if self.pile_up.record(at, (contact, mode), is_driven, options) {
             return Err(self.pile_up.error(at, None, false, options));
         }
         Ok(())

@@ -122,10 +122,12 @@ pub struct Options {
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
     /// crossings. The solution itself is not more accurate. Default 10.
     pub touch: f64,
-    /// Number of consecutive transitions that are a pile-up if they happen within `pile_up_span ·
-    /// max(1, |t|)`, and all others would at the ratio of their durations. They also are if no
-    /// component moves by more than 100 tolerances between any two. With [`Method::Taylor`] this
-    /// also counts reversals of the field by a comparison. Default 100. Fewer transitions are a
+    /// Least number of consecutive transitions that are a pile-up. They happen within
+    /// `pile_up_span · max(1, |t|)`, all others would at the ratio of their durations, and the
+    /// motion between them shrinks. Or no component moves by more than 100 tolerances between any
+    /// two, the motion shrinks further, and nothing depends on time but what piles up in finite
+    /// time. With [`Method::Taylor`] this is also the number of reversals of the field by a
+    /// comparison between which only rounding moves the orbit. Default 100. Fewer transitions are a
     /// pile-up if their durations are a geometric series and the steps after them collapse. They
     /// also are if the tolerance does not separate the contacts' boundaries.
     pub pile_up_count: usize,

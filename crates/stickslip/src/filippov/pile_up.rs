@@ -5,21 +5,18 @@
 //! durations are a geometric series, and Aitken's extrapolation gives its limit.
 
 use super::options::Options;
-use super::run::TIME_ROUNDING;
+use super::run::{Run, TIME_ROUNDING};
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
 use crate::system::State;
 
-/// A phase is resolved if some component moves by more than so many tolerances. Chosen: the errors
-/// of the two events that bound it are then below a hundredth of the motion.
+/// A phase is resolved if some component moves by more than so many tolerances in it. Chosen: the
+/// errors of the two events that bound it are then below a hundredth of the motion.
 const RESOLVED_MOTION: f64 = 100.0;
 
-/// Number of lasting phases after which an orbit counts as shrinking to a point. Chosen: so
-/// many phases of a pile-up last only if its ratio exceeds 0.99.
-const SHRINKING_PHASES: usize = 10;
-
-/// An unresolved phase is lasting if it takes at least this part of the time of the first one.
-/// Chosen between 1, the limit as an orbit shrinks to a point, and the ratio of a pile-up.
+/// Phases last if half of those recorded take at least this part of the time of the half before.
+/// Chosen between 1, the limit as an orbit shrinks to a point, and pile-ups: one of a larger ratio
+/// than 0.995 forms a geometric series instead.
 const LASTING_PART: f64 = 0.9;
 
 /// Number of transitions that are kept: the ends of three rounds of up to 15 phases.
@@ -30,27 +27,25 @@ const HISTORY: usize = 3 * 15 + 1;
 const SERIES_AGREEMENT: f64 = 0.1;
 
 /// Counts events within a span of time that counts as none.
-pub struct Burst {
+struct Burst {
     since: f64,
     count: usize,
 }
 
 impl Burst {
-    pub(crate) fn new() -> Self {
+    fn new() -> Self {
         Burst {
             since: f64::NEG_INFINITY,
             count: 0,
         }
     }
 
-    /// Counts an event at time `t`. Returns the number of events and the time that they took.
-    #[inline]
-    pub(crate) fn record(&mut self, t: f64, options: &Options) -> (usize, f64) {
+    /// Counts an event at time `t`.
+    fn record(&mut self, t: f64, options: &Options) {
         if t - self.since > negligible_span(t, options) {
             (self.since, self.count) = (t, 0);
         }
         self.count += 1;
-        (self.count, t - self.since)
     }
 }
 
@@ -70,6 +65,14 @@ struct PastTransition<const N: usize, K> {
     at: Timed<N>,
     contact: usize,
     to: K,
+    /// Extent of the motion since the transition before it.
+    extent: f64,
+}
+
+/// Half of the recorded phases: how long they last, and the largest extent of the motion in one.
+struct Half {
+    duration: f64,
+    extent: f64,
 }
 
 /// The geometric series that the last transitions form.
@@ -86,15 +89,18 @@ pub struct GeometricSeries<const N: usize> {
     pub contacts: Vec<usize>,
 }
 
-/// Transitions pile up if many of them happen within a span of time that counts as none. They also
-/// do if error control does not separate the ends of many phases in a row. A loose tolerance then
-/// stops the orbit before the accumulation point.
+/// Transitions pile up if they come ever faster within a span of time that counts as none. They
+/// also do if the motion between them falls below what error control resolves and shrinks further.
+/// A loose tolerance then stops the orbit before the accumulation point.
 pub struct PileUpDetector<const N: usize, K> {
     burst: Burst,
-    /// Number of unresolved phases in a row, length of the first, and number of lasting ones.
+    /// Extent of the motion since the last transition: the largest distance of a component from its
+    /// value there, in tolerances; 0 if it is rounding.
+    extent: f64,
+    /// Number of unresolved phases in a row over which the motion shrinks, and whether time moves
+    /// the state in one of them.
     unresolved: usize,
-    first_unresolved: f64,
-    lasting: usize,
+    is_driven: bool,
     /// The number of transitions, and the last of them: number `i` at index `i % HISTORY`.
     count: usize,
     last: [PastTransition<N, K>; HISTORY],
@@ -107,12 +113,13 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             at: *at,
             contact: 0,
             to: mode,
+            extent: 0.0,
         };
         PileUpDetector {
             burst: Burst::new(),
+            extent: 0.0,
             unresolved: 0,
-            first_unresolved: 0.0,
-            lasting: 0,
+            is_driven: false,
             count: 0,
             last: [nowhere; HISTORY],
         }
@@ -135,56 +142,94 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         contacts
     }
 
-    /// Records a transition of a contact into the mode `to`, where the state moves with `velocity`.
-    /// Returns whether it belongs to a pile-up.
+    /// Follows the motion over the last step of a run.
+    #[inline]
+    pub(crate) fn follow<const G: usize>(&mut self, run: &Run<N, G>) {
+        let ((start, end), options) = (&run.last, &run.options);
+        let from = self.nth_last(0).at.x;
+        let reached = |extent: f64, (i, x): (usize, f64)| {
+            let (moved, size) = ((x - from[i]).abs(), from[i].abs());
+            if moved <= TIME_ROUNDING * size {
+                return extent;
+            }
+            extent.max(moved / (options.atol + options.rtol * size))
+        };
+        self.extent = end.x.iter().copied().enumerate().fold(self.extent, reached);
+        // A step may lead back to where it began.
+        if self.extent <= RESOLVED_MOTION && run.dense.t0 == start.t {
+            let part = ((end.t - start.t) / run.dense.h).min(1.0);
+            let ranges = run
+                .dense
+                .enclosure_between(0.0, part)
+                .into_iter()
+                .enumerate();
+            let bounds = ranges.flat_map(|(i, range)| [(i, range.low), (i, range.high)]);
+            self.extent = bounds.fold(self.extent, reached);
+        }
+    }
+
+    /// Records a transition of a contact into the mode `to`; `is_driven` tells whether time alone
+    /// moves the state there. Returns whether the transition belongs to a pile-up.
     pub(crate) fn record(
         &mut self,
         at: &Timed<N>,
         (contact, to): (usize, K),
-        velocity: &State<N>,
+        is_driven: impl FnOnce() -> bool,
         options: &Options,
     ) -> bool {
         self.burst.record(at.t, options);
-        let before = self.nth_last(0).at;
-        let time = at.t - before.t;
-        // A body on a floor has no velocity at either end of a slip, so that its motion counts,
-        // too.
-        let is_resolved = |i: usize| {
-            let by_rate = time * velocity[i].abs();
-            let moved = f64::max((at.x[i] - before.x[i]).abs(), by_rate);
-            moved > RESOLVED_MOTION * (options.atol + options.rtol * at.x[i].abs())
-        };
-        let resolved = self.count == 0 || (0..N).any(is_resolved);
-        self.unresolved = if resolved { 0 } else { self.unresolved + 1 };
-        if self.unresolved == 1 {
-            (self.first_unresolved, self.lasting) = (time, 0);
-        } else if time >= LASTING_PART * self.first_unresolved {
-            self.lasting += 1;
-        }
+        let extent = std::mem::take(&mut self.extent);
         self.last[self.count % HISTORY] = PastTransition {
             at: *at,
             contact,
             to,
+            extent,
         };
         self.count += 1;
-        self.bursts(options) || self.unresolved >= options.pile_up_count
+        let [later, earlier] = self.halves();
+        let shrinks = later.extent < earlier.extent || later.extent == 0.0;
+        if self.count > 1 && extent <= RESOLVED_MOTION && shrinks {
+            self.unresolved += 1;
+            self.is_driven |= is_driven();
+        } else {
+            (self.unresolved, self.is_driven) = (0, false);
+        }
+        // What is driven may move again, unless its transitions leave no time for that.
+        let leads_to_a_point = || !self.is_driven || self.series().is_some();
+        self.bursts(options) || self.unresolved >= options.pile_up_count && leads_to_a_point()
+    }
+
+    /// The newer and the older half of the recorded phases.
+    fn halves(&self) -> [Half; 2] {
+        let half = self.recorded().saturating_sub(1) / 2;
+        [0, half].map(|newest| Half {
+            duration: self.nth_last(newest).at.t - self.nth_last(newest + half).at.t,
+            extent: (newest..newest + half)
+                .fold(0.0, |most, back| most.max(self.nth_last(back).extent)),
+        })
     }
 
     /// Whether so many transitions have happened within no time, and at their ratio all others
-    /// will, or as fast as rounding allows. A fast clock is no pile-up.
+    /// will, or as fast as rounding allows. A fast clock is no pile-up, nor is one that runs faster
+    /// for a while: the motion shrinks at least as the root of the time, or it does not accumulate.
     fn bursts(&self, options: &Options) -> bool {
-        let half = self.recorded().saturating_sub(1) / 2;
-        let t = |back: usize| self.nth_last(back).at.t;
-        let (latest, before) = (t(0) - t(half), t(half) - t(2 * half));
-        let left = latest * latest / (before - latest);
-        let by_rounding = half as f64 * time_rounding(t(0));
-        self.burst.count >= options.pile_up_count
-            && ((0.0..=negligible_span(t(0), options)).contains(&left) || latest <= by_rounding)
+        let [later, earlier] = self.halves();
+        let t = self.nth_last(0).at.t;
+        let left = later.duration * later.duration / (earlier.duration - later.duration);
+        let ratio = later.extent / earlier.extent;
+        let accumulates = (0.0..=negligible_span(t, options)).contains(&left)
+            && ratio * ratio <= later.duration / earlier.duration;
+        let by_rounding = (self.recorded().saturating_sub(1) / 2) as f64 * time_rounding(t);
+        self.burst.count >= options.pile_up_count && (accumulates || later.duration <= by_rounding)
     }
 
-    /// Whether the transitions come ever faster and the state moves.
-    pub(crate) fn accumulates(&self, options: &Options) -> bool {
-        self.bursts(options) || !self.shrinks()
+    /// Whether the orbit approaches a point in infinite time: the motion shrinks below what is
+    /// resolved, and its phases last.
+    pub(crate) fn shrinks(&self, options: &Options) -> bool {
+        let [later, earlier] = self.halves();
+        self.unresolved >= options.pile_up_count
+            && later.duration >= LASTING_PART * earlier.duration
+            && !self.bursts(options)
     }
 
     /// Whether the last transition belongs to this contact and this time.
@@ -307,12 +352,6 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
                 })
             }),
         }
-    }
-
-    /// Whether the orbit approaches a point in infinite time: unresolved phases last as long as the
-    /// first of them.
-    pub(crate) fn shrinks(&self) -> bool {
-        self.unresolved >= SHRINKING_PHASES && self.lasting >= SHRINKING_PHASES
     }
 
     /// The series of the last transitions, if it accumulates within no time of `t`.

@@ -18,8 +18,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         self.due = Due::PhaseEnd(Ending::Stopped);
     }
 
-    /// Sets the end time of the run.
+    /// Sets the end time of the run. Behind an earlier one an input moves the state again.
     pub(crate) fn end_at(&mut self, t_end: f64) {
+        self.has_inputs |= t_end < self.run.t_end;
         self.run.t_end = t_end;
     }
 
@@ -61,7 +62,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             return Err(self.pile_up_error());
         }
         match self.record_event(number, self.mode) {
-            Err(Error::EventPileUp { .. }) if self.pile_up.accumulates(&self.run.options) => {
+            Err(Error::EventPileUp { .. }) if !self.pile_up.shrinks(&self.run.options) => {
                 return Err(self.pile_up_error());
             }
             // A clock may trigger jumps of a state that does not move.

@@ -1,11 +1,11 @@
 //! The state of a run between steps, and the errors of a step.
 
 use super::deflation::has_left_zero;
-use super::flow::Flow;
+use super::flow::{Flow, seeded};
 use super::guard::Event;
 use super::observer::StepRecord;
 use super::options::Options;
-use super::uncertainty::EVENT_PRECISION;
+use super::uncertainty::{EVENT_PRECISION, SERIES_DEFECT};
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
@@ -15,6 +15,16 @@ use crate::system::State;
 /// Rounding of a time, relative to its size. Times that are closer are the same, and shorter steps
 /// do not change the time.
 pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Roundings of time since a phase began within which a state that outruns them is too fast for
+/// its times. Chosen: the steps before a singularity span more than that.
+const TOO_LATE: f64 = 1e9;
+
+/// Part of the way that a component would still move at its present slowing down, and the growth of
+/// its slope over it beyond which a field is not Lipschitz. Chosen: the slope of `-√x` grows by the
+/// root of 2 there, that of a smooth field not at all within the tolerance.
+const WAY_PART: f64 = 0.25;
+const STEEPENING: f64 = 1.2;
 
 /// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
@@ -156,17 +166,40 @@ impl<const N: usize, const G: usize> Run<N, G> {
         !is_last && h <= TIME_ROUNDING * self.at.t.abs() || h < f64::MIN_POSITIVE
     }
 
-    /// The step shrank until time no longer moves.
+    /// The step shrank until time no longer moves, by a setting, by the rounding of time or by the
+    /// solution.
     pub(crate) fn collapse(&self, slope: &State<N>, step: f64) -> Error {
         if slope.iter().any(|v| !v.is_finite()) {
             return self.non_finite(step);
         }
+        let (Timed { t, x }, options) = (&self.at, &self.options);
+        let rounding = (TIME_ROUNDING * t.abs()).max(f64::MIN_POSITIVE);
+        let (name, longest) = match options.fixed_step() {
+            Some(step) => ("method.step", step),
+            None => ("longest_step", options.longest_step),
+        };
+        let is_bounded = longest <= rounding;
+        let step = if is_bounded { longest } else { step };
+        let outruns =
+            |i: usize| slope[i].abs() * rounding > options.atol + options.rtol * x[i].abs();
+        let is_late = t - self.from.t <= TOO_LATE * rounding && (0..self.states).any(outruns);
+        let (t, x) = (*t, Point::from(x));
+        if is_bounded || is_late {
+            let bound = is_bounded.then_some(name);
+            return Error::TimeRounding {
+                t,
+                x,
+                step,
+                rounding,
+                bound,
+            };
+        }
         Error::StepCollapse {
-            t: self.at.t,
-            x: Point::from(&self.at.x),
+            t,
+            x,
             step,
-            rtol: self.options.rtol,
-            atol: self.options.atol,
+            rtol: options.rtol,
+            atol: options.atol,
         }
     }
 
@@ -183,6 +216,31 @@ impl<const N: usize, const G: usize> Run<N, G> {
         }
         self.counters.rejected += 1;
         self.h = 0.1 * step;
+        Ok(())
+    }
+
+    /// Refuses a state near which the field is not Lipschitz, after a step was rejected there: the
+    /// slope of a rate that falls to zero grows within the tolerance.
+    #[cold]
+    pub(crate) fn check_lipschitz<F: Flow<N>>(&self, flow: &F) -> Result<(), Error> {
+        let in_component = |at: &Timed<N>, i: usize| {
+            let (t, x) = seeded(at, i);
+            flow.field(t, &x)[i]
+        };
+        for i in 0..self.states {
+            let mut near = self.at;
+            let rate = in_component(&near, i);
+            let way = -WAY_PART * rate.re / rate.eps;
+            near.x[i] += way;
+            let tolerance = self.options.atol + self.options.rtol * near.x[i].abs();
+            if rate.eps < 0.0
+                && way.abs() <= SERIES_DEFECT * tolerance
+                && in_component(&near, i).eps < STEEPENING * rate.eps
+            {
+                let (t, x) = (self.at.t, Point::from(&self.at.x));
+                return Err(Error::NotLipschitz { t, x });
+            }
+        }
         Ok(())
     }
 

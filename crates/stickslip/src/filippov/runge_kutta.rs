@@ -199,6 +199,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
                 self.h = if is_last { next.max(self.h) } else { next };
                 return Ok((h, is_last, factor > LONGER_STEP, step));
             }
+            if !error.is_finite() {
+                self.check_lipschitz(flow)?;
+            }
             self.counters.rejected += 1;
             rejected = true;
             self.h = h * if error.is_finite() {

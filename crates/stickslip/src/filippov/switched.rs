@@ -12,6 +12,7 @@ use super::run::Run;
 use super::uncertainty::uncertainty;
 use crate::dynamics::Modes;
 use crate::error::Error;
+use crate::interval::Interval;
 use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
@@ -209,6 +210,25 @@ impl<T: Scalar, const N: usize> UseFlow<N> for Velocity<'_, T, N> {
     #[inline(always)]
     fn with<F: Flow<N>>(self, flow: &F) -> [T; N] {
         flow.field(self.0, self.1)
+    }
+}
+
+/// Whether time alone moves the state or a guard: at a point, from its time on.
+pub(crate) struct IsDriven<'a, const N: usize>(pub &'a Timed<N>);
+
+impl<const N: usize> UseFlow<N> for IsDriven<'_, N> {
+    type Output = bool;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> bool {
+        let Timed { t, x } = self.0;
+        let x: [Interval; N] = std::array::from_fn(|i| Interval::new(x[i], x[i]));
+        let over = |until: f64| {
+            let times = Interval::new(*t, until);
+            let guards = flow.guards().iter().map(|&i| flow.range(i, times, &x));
+            let guards: Option<Vec<_>> = guards.collect();
+            guards.zip(Interval::decided(|| flow.field(times, &x)))
+        };
+        over(f64::INFINITY).is_none_or(|ever| over(*t) != Some(ever))
     }
 }
 

@@ -3,8 +3,8 @@
 use stickslip::analysis::{
     Exponent, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
 };
-use stickslip::{Options, math};
-use stickslip_kernels::file::{Source, System, SystemFile};
+use stickslip::{Error, Options, math};
+use stickslip_kernels::file::{Interface, Source, System, SystemFile};
 
 pub fn system(text: &str) -> System {
     let source = Source {
@@ -99,4 +99,43 @@ fn a_jump_that_sets_two_states_annihilates_two_directions() {
         "{values:?}"
     );
     assert_eq!(found.annihilated(), 2, "{found:?}");
+}
+
+#[test]
+fn a_jump_that_another_one_sets_off_is_named_where_the_field_changes_at_it() {
+    let text = "name = \"chain\"\n[states]\ns = \"\"\nx = \"\"\n[field]\ns = \"1\"\nx = \"-x\"\n\
+                [jumps.tick]\nwhen = \"s - 1\"\ndirection = \"rising\"\n\
+                set = { s = \"0\", x = \"x + 1\" }\n\
+                [jumps.drop]\nwhen = \"x - 1.5\"\ndirection = \"rising\"\nset = { x = \"0.1\" }\n";
+    let system = system(text);
+    let settings = SpectrumOptions::over(0.0, 20.0);
+    let error = lyapunov_spectrum(system.dynamics(), (0.0, &[0.0, 1.0][..]), &settings);
+    let error = error.unwrap_err();
+    assert!(
+        matches!(error, Error::ChainedJumps { jump: 1, .. }),
+        "{error}"
+    );
+    let words = Rust.words(&error, Some(&system));
+    assert!(
+        words.starts_with("the jump `drop` follows another one"),
+        "{words}"
+    );
+}
+
+/// Options by their names in Rust.
+struct Rust;
+
+impl Interface for Rust {
+    fn name(&self, option: &str) -> String {
+        option.to_owned()
+    }
+    fn choice(&self, option: &str, _words: &[&str]) -> String {
+        option.to_owned()
+    }
+    fn value(&self, option: &str, value: f64) -> String {
+        format!("{option} = {value}")
+    }
+    fn nearer(&self) -> &'static str {
+        ""
+    }
 }

@@ -9,6 +9,7 @@
 mod apart;
 mod bad_input;
 mod chains;
+mod corners;
 mod coupled;
 mod events;
 mod references;

@@ -5,9 +5,11 @@ use stickslip::{Contacts, Error, Scalar, Side};
 
 use super::apart::WithIdle;
 use super::bad_input::InvalidContacts;
+use super::corners::Corner;
 use super::static_friction::Stacked;
 
 pub enum TwoStates<'a> {
+    Corner(Corner),
     WithIdle(WithIdle<'a>),
     Invalid(InvalidContacts),
     Stacked(Stacked),
@@ -16,6 +18,7 @@ pub enum TwoStates<'a> {
 impl Contacts<2, 2> for TwoStates<'_> {
     fn field<T: Scalar>(&self, sides: &[Side; 2], t: T, x: &[T; 2]) -> [T; 2] {
         match self {
+            TwoStates::Corner(system) => system.field(sides, t, x),
             TwoStates::WithIdle(system) => system.field(sides, t, x),
             TwoStates::Invalid(system) => system.field(sides, t, x),
             TwoStates::Stacked(system) => system.field(sides, t, x),
@@ -23,6 +26,7 @@ impl Contacts<2, 2> for TwoStates<'_> {
     }
     fn boundaries<T: Scalar>(&self, t: T, x: &[T; 2]) -> [T; 2] {
         match self {
+            TwoStates::Corner(system) => system.boundaries(t, x),
             TwoStates::WithIdle(system) => system.boundaries(t, x),
             TwoStates::Invalid(system) => system.boundaries(t, x),
             TwoStates::Stacked(system) => system.boundaries(t, x),
@@ -30,6 +34,7 @@ impl Contacts<2, 2> for TwoStates<'_> {
     }
     fn holding<T: Scalar>(&self, sides: &[Side; 2], held: &[bool; 2], t: T, x: &[T; 2]) -> [T; 2] {
         match self {
+            TwoStates::Corner(system) => system.holding(sides, held, t, x),
             TwoStates::WithIdle(system) => system.holding(sides, held, t, x),
             TwoStates::Invalid(system) => system.holding(sides, held, t, x),
             TwoStates::Stacked(system) => system.holding(sides, held, t, x),
@@ -37,6 +42,7 @@ impl Contacts<2, 2> for TwoStates<'_> {
     }
     fn check_parameters(&self) -> Result<(), Error> {
         match self {
+            TwoStates::Corner(system) => system.check_parameters(),
             TwoStates::WithIdle(system) => system.check_parameters(),
             TwoStates::Invalid(system) => system.check_parameters(),
             TwoStates::Stacked(system) => system.check_parameters(),

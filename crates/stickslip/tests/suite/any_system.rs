@@ -13,6 +13,7 @@ use crate::compiled::{Compiled, traced};
 use crate::constant_fields::ConstantFields;
 use crate::corners::{CornerOfBoundary, CornerOfField, Creep, EqualInStick, Weaker};
 use crate::den_hartog::DenHartog;
+use crate::endings::{Line, Plane, Wave};
 use crate::ensemble::{self, CompiledBlock, Edge};
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
@@ -77,16 +78,16 @@ traced!(
     1:
     BlowUp, Breathing, Cup, Dent, Fork, Knee, ConstantFields, MovingLine, Push, Rectified, Rider,
     Spike,
-    Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
+    Line, Square, Steep, Steepening, TurningLine, UndefinedAfterOne, Wall, Window,
 );
 
-typed!(Any1, 1: Brink(Brink), ComesToRest(ComesToRest), Valley(Valley));
+typed!(Any1, 1: Brink(Brink), ComesToRest(ComesToRest), Valley(Valley), Wave(Wave));
 
 traced!(
     2:
     Block, Ceiling, CornerOfBoundary, CornerOfField, Creep, DenHartog, Dip, Driven,
     EqualInStick, Floor, FromSupport, Ledge, Smooth<Linear<2>>, Overflowing,
-    Parabola, Pit, Pushed, Ramp, Refracting, Reversed<Block>,
+    Parabola, Pit, Plane, Pushed, Ramp, Refracting, Reversed<Block>,
     grazes::Shaken, SoftStop, grazes::AtRest, Spiral, Slippery, StaticFriction, Turn, TwoFold, Zeno,
 );
 

@@ -14,6 +14,7 @@ mod constant_fields;
 mod corners;
 #[path = "../common/den_hartog.rs"]
 mod den_hartog;
+mod endings;
 mod ensemble;
 mod flat;
 mod grazes;

@@ -5,6 +5,8 @@
 //! problem with bounds (Pfeiffer & Glocker, *Multibody Dynamics with Unilateral Contacts*, 1996,
 //! Ch. 8).
 
+use nalgebra::{DMatrix, DVector};
+
 use super::Contacts;
 use super::equations::{has_positive_pivots, principal_minor, solve};
 use super::joint::{Affine, Joint, NEGLIGIBLE_FRICTION, rates};
@@ -217,7 +219,16 @@ impl<const M: usize> Problem<M> {
                 matrix[row][column] = self.slopes[i][j];
             }
         }
+        let problem = (matrix, right);
         solve(&mut matrix, &mut right, count);
+        if !right[..count].iter().all(|share| share.is_finite()) {
+            // The pivots of contacts that do not affect their own rates vanish.
+            let rows = DMatrix::from_fn(count, count, |i, j| problem.0[i][j]);
+            let loads = DVector::from_column_slice(&problem.1[..count]);
+            if let Some(found) = rows.lu().solve(&loads) {
+                right[..count].copy_from_slice(found.as_slice());
+            }
+        }
         for (row, &i) in holding[..count].iter().enumerate() {
             shares[i] = right[row];
         }
@@ -248,7 +259,12 @@ impl<const M: usize> Problem<M> {
     /// in turns.
     fn wanted(&self, i: usize, outcome: Outcome, shares: &[f64; M], rate: f64) -> Outcome {
         let floor = self.floor(i, shares);
-        let most = floor / self.slopes[i][i].abs();
+        let effect = |j: usize| self.slopes[j][i].abs();
+        let strength = match effect(i) {
+            0.0 => (0..self.count).map(effect).fold(0.0, f64::max),
+            own => own,
+        };
+        let most = floor / strength;
         match outcome {
             Mode::Stick if shares[i] < -most => Mode::Slip(Side::Below),
             Mode::Stick if shares[i] - 1.0 > most => Mode::Slip(Side::Above),

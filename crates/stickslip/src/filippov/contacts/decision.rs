@@ -49,15 +49,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
         self.check(&decided)?;
-        for &i in &decided {
-            if !self.can_hold(i) {
-                // Its own side has no effect on its rate: it moves as the others lead it.
-                self.open[i] = false;
-                if self.modes[i] == Mode::Stick {
-                    self.modes[i] = Mode::Slip(Side::Above);
-                }
-            }
-        }
+        let moves_by_state = |&i: &usize| !self.can_hold(i) && !self.is_led(i);
+        let closed: Vec<usize> = decided.iter().copied().filter(moves_by_state).collect();
+        self.close(&closed);
         self.complement(run)?;
         // A contact whose weight or rate vanishes to rounding is decided by the next derivative.
         // Each may change the others once.
@@ -65,6 +59,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let mut orders = [0; M];
             let mut change = None;
             let joint = Joint::new(self.system, &self.modes);
+            let shared = joint.hold_each_other(&self.at);
+            let joint = joint.with_shared_load(shared);
             let initial = self.initial_derivatives(run, &joint);
             for &i in &decided {
                 match self.first_motion(&joint, &initial, i) {
@@ -90,6 +86,16 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Err(self.no_unique_mode(&decided, &[]))
     }
 
+    /// Leaves contacts whose sides have no effect on their rates to what their rates are.
+    fn close(&mut self, contacts: &[usize]) {
+        for &i in contacts {
+            self.open[i] = false;
+            if self.modes[i] == Mode::Stick {
+                self.modes[i] = Mode::Slip(Side::Above);
+            }
+        }
+    }
+
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
     /// friction, a released contact changes the loads of the others, which are decided again.
     fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
@@ -110,10 +116,17 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     contacts: joint.held().to_vec(),
                 });
             };
-            let [outcomes] = consistent[..] else {
-                return Err(self.no_unique_mode(joint.held(), &consistent));
-            };
             let held: Vec<usize> = joint.held().to_vec();
+            let [outcomes] = consistent[..] else {
+                let is_led = |&i: &usize| self.open[i] && !self.can_hold(i);
+                let led: Vec<usize> = held.iter().copied().filter(is_led).collect();
+                if !consistent.is_empty() || led.is_empty() {
+                    return Err(self.no_unique_mode(&held, &consistent));
+                }
+                // A higher derivative of theirs may decide, given the others.
+                self.close(&led);
+                continue;
+            };
             let mut changes_the_rest = false;
             for (&i, outcome) in held.iter().zip(outcomes) {
                 self.modes[i] = outcome;
@@ -209,6 +222,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// where only velocities jump.
     fn can_hold(&self, i: usize) -> bool {
         self.friction(i, true) != 0.0
+    }
+
+    /// Whether the side of another contact that is to be decided affects the rate of this one.
+    fn is_led(&self, i: usize) -> bool {
+        let (t, x) = (self.at.t, components(&self.at.x));
+        (0..M).any(|j| {
+            let leads = || self.corners_of(&[j]).affine(t, x).slopes[i][0] != 0.0;
+            j != i && self.open[j] && leads()
+        })
     }
 
     /// As [`Decision::friction`], with these contacts at rest.

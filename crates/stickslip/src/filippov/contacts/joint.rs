@@ -263,6 +263,18 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         self.combined(affine, shares)
     }
 
+    /// Whether a holding contact affects the rates of others only, and they affect its own.
+    pub(super) fn hold_each_other<const N: usize>(&self, at: &Timed<N>) -> bool
+    where
+        S: Contacts<N, M>,
+    {
+        let slopes = self.affine(at.t, components(&at.x)).slopes;
+        let is_held_by_others = |(own, &i): (usize, &usize)| {
+            slopes[i][own] == 0.0 && slopes[i][..self.count].iter().any(|slope| *slope != 0.0)
+        };
+        self.count > 1 && self.held().iter().enumerate().any(is_held_by_others)
+    }
+
     /// Whether all holding contacts can hold at a point and stay on their boundaries.
     pub(super) fn rests<const N: usize>(&self, at: &Timed<N>, slack: f64) -> bool
     where

@@ -68,7 +68,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         let is_moved_by_none = |&i: &usize| {
             slopes[i][..joint.count] == [0.0; M][..joint.count] && rates[i].abs() <= rounding
         };
-        joint.held().iter().any(is_moved_by_none)
+        joint.held().iter().any(is_moved_by_none) || joint.hold_each_other(at)
     }
 
     #[inline(always)]
@@ -164,7 +164,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             open,
             released,
         };
-        decision.mode(run)
+        let next = decision.mode(run)?;
+        if let Next::Mode(to, _) = &next {
+            *branch = Joint::new(&self.0, to).hold_each_other(&run.at);
+        }
+        Ok(next)
     }
 
     fn stick_at_accumulation(

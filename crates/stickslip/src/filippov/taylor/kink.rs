@@ -5,7 +5,6 @@ use crate::error::{Error, Point};
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Event;
 use crate::filippov::options::Options;
-use crate::filippov::pile_up::Burst;
 use crate::filippov::uncertainty::uncertainty;
 use crate::ode::{Timed, power_series};
 use crate::system::State;
@@ -15,12 +14,22 @@ use crate::taylor::roots::first_zero;
 /// rounding by which a continuous field changes its sign.
 const REVERSAL: f64 = 1e-3;
 
+/// Roundings of time and state within which the field reverses again where it holds the orbit.
+/// Chosen: a tied comparison is passed by up to sixteen, and what only turns fast is far from it.
+const HELD_ROUNDINGS: f64 = 1e3;
+
+/// Part of the way to a kink after which the field may have its new result by rounding. Chosen: a
+/// millionth of a step is far above the rounding of what is compared.
+const CERTAIN_PART: f64 = 1.0 - 1e-6;
+
 /// Where two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
     /// The series holds up to here: slightly before the equality, or slightly after it if the
     /// numbers are equal from the start.
     pub(super) before: f64,
+    /// The field has the old result for certain up to here.
+    pub(super) certain: f64,
     /// Slightly after the equality, where the next series sees the new result.
     pub(super) after: f64,
 }
@@ -60,12 +69,17 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 more *= 2.0;
             }
             if after < first.map_or(1.0, |first| first.after) {
-                let before = if s == 0.0 {
-                    after
+                let (before, certain) = if s == 0.0 {
+                    (after, 0.0)
                 } else {
-                    f64::max(0.0, s - (after - s))
+                    let before = f64::max(0.0, s - (after - s));
+                    (before, before * CERTAIN_PART)
                 };
-                first = Some(Kink { before, after });
+                first = Some(Kink {
+                    before,
+                    certain,
+                    after,
+                });
             }
         }
         (first, is_tie)
@@ -91,30 +105,56 @@ pub(super) fn guard_jump<F: Flow<N>, const N: usize>(
     })
 }
 
-/// Counts a step that ends at `at` because a comparison changes, if the field reverses there. The
-/// slope of the series before and the field after it show this. Such a reversal is a transition at
-/// an undeclared boundary, and it can pile up as others do.
-#[cold]
-pub(super) fn record_reversal<const N: usize>(
-    reversals: &mut Burst,
-    at: &Timed<N>,
-    [before, after]: [&State<N>; 2],
-    options: &Options,
-) -> Result<(), Error> {
-    let size = f64::max(before.amax(), after.amax());
-    let reverses =
-        |i: usize| before[i] * after[i] < 0.0 && (before[i] - after[i]).abs() > REVERSAL * size;
-    if !(0..N).any(reverses) {
-        return Ok(());
+/// Reversals of the field where comparisons change, in a row between which only rounding moves the
+/// orbit.
+#[derive(Clone, Copy)]
+pub(super) struct Reversals {
+    count: usize,
+    /// Times of the first and of the last.
+    first: f64,
+    last: f64,
+}
+
+impl Reversals {
+    pub(super) const NONE: Self = Reversals {
+        count: 0,
+        first: 0.0,
+        last: f64::NEG_INFINITY,
+    };
+
+    /// Records a step of length `h` that ends at `at` because a comparison changes, if the field
+    /// reverses there. The slope of the series before and the field after it show this. Such a
+    /// reversal is a transition at an undeclared boundary, which may hold the orbit.
+    #[cold]
+    pub(super) fn record<const N: usize>(
+        &mut self,
+        at: &Timed<N>,
+        [before, after]: [&State<N>; 2],
+        h: f64,
+        options: &Options,
+    ) -> Result<(), Error> {
+        let size = f64::max(before.amax(), after.amax());
+        let reverses = |i: &usize| {
+            before[*i] * after[*i] < 0.0 && (before[*i] - after[*i]).abs() > REVERSAL * size
+        };
+        // Steps in which a component that reverses moves by its own size.
+        let steps = |i: usize| (at.x[i] / after[i]).abs();
+        let Some(longest) = (0..N).filter(reverses).map(steps).reduce(f64::max) else {
+            return Ok(());
+        };
+        let rounding = f64::EPSILON * (at.t.abs() + h * longest.max(1.0));
+        if at.t - self.last > HELD_ROUNDINGS * rounding {
+            (self.count, self.first) = (0, at.t);
+        }
+        (self.count, self.last) = (self.count + 1, at.t);
+        if self.count < options.pile_up_count {
+            return Ok(());
+        }
+        Err(Error::BranchPileUp {
+            count: self.count,
+            span: at.t - self.first,
+            t: at.t,
+            x: Point::from(&at.x),
+        })
     }
-    let (count, span) = reversals.record(at.t, options);
-    if count < options.pile_up_count {
-        return Ok(());
-    }
-    Err(Error::BranchPileUp {
-        count,
-        span,
-        t: at.t,
-        x: Point::from(&at.x),
-    })
 }

@@ -8,13 +8,12 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::{guard_jump, record_reversal};
+use kink::{Kink, Reversals, guard_jump};
 use step_series::{Polynomial, StepSeries, origin, powers};
 pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::{Flow, OfFlow};
 use super::options::Options;
-use super::pile_up::Burst;
 use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
@@ -67,7 +66,7 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     /// The step length that scales the next series.
     scale: f64,
     /// Ends of steps where a comparison reverses the field.
-    reversals: Burst,
+    reversals: Reversals,
     /// Step length while a comparison is tied. It grows by a factor of [`TIE_GROWTH`] per step as
     /// long as the tie lasts. A state that moves by less than one unit in the last place stays
     /// tied. At the end of the step the series must solve the equation, as at every step.
@@ -128,7 +127,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             remainder: origin(),
             rejected: false,
             scale: 0.0,
-            reversals: Burst::new(),
+            reversals: Reversals::NONE,
             tie_step: 0.0,
         }
     }
@@ -137,7 +136,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// recomputed before use.
     pub(super) fn forget(&mut self) {
         (self.end, self.remainder) = (origin(), origin());
-        self.reversals = Burst::new();
+        self.reversals = Reversals::NONE;
     }
 
     /// Expands the series at the end of the last step.
@@ -383,8 +382,14 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         } else {
             step_series.slope(part)
         };
-        self.rejected = !step_series.solves_equation(flow, &slope, &at, &run.options);
+        // Behind a kink the field may have jumped, as where a boundary kinks under stick.
+        let (checked, slope_there) = match kink {
+            Some(Kink { certain, .. }) => (step_series.at(certain).0, step_series.slope(certain)),
+            None => (at, slope),
+        };
+        self.rejected = !step_series.solves_equation(flow, &slope_there, &checked, &run.options);
         if self.rejected {
+            run.check_lipschitz(flow)?;
             run.reject_undefined(h)?;
             return Ok(Trial::NoStep);
         }
@@ -392,7 +397,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         if kink.is_some() {
             jump = guard_jump(flow, &at, &run.options).filter(|_| !run.is_prescribed);
             let field = flow.velocity(at.t, &at.x) * h;
-            record_reversal(&mut self.reversals, &at, [&slope, &field], &run.options)?;
+            (self.reversals).record(&at, [&slope, &field], h, &run.options)?;
         }
         self.tie_step = if is_tie { TIE_GROWTH * part * h } else { 0.0 };
         (self.end, self.remainder) = (at, remainder);
