@@ -24,6 +24,10 @@ struct Assembly<'a> {
     rows: Vec<Equation>,
     /// Largest amplification of an error so far.
     growth: f64,
+    /// Where the state with which the present piece begins stands among the unknowns.
+    base: usize,
+    /// The derivative of the equations if no state changed over any piece.
+    at_rest: Vec<Vector>,
 }
 
 impl Assembly<'_> {
@@ -69,9 +73,21 @@ impl Assembly<'_> {
         for i in 0..n {
             self.rows.push((gap[i], rows.row(i).transpose(), 1.0));
         }
+        self.at_rest(n, place);
+        self.base = place;
         self.of_state = by_cut;
         self.at.x.clone_from(state);
         Some(())
+    }
+
+    /// The derivative of the last equations, that the first components of the state here equal
+    /// those that stand at a place among the unknowns, if the state had not changed.
+    fn at_rest(&mut self, components: usize, place: usize) {
+        let count = self.of_state.ncols();
+        self.at_rest
+            .resize(self.rows.len() - components, Vector::zeros(count));
+        let rows = (0..components).map(|i| unit(count, self.base + i) - unit(count, place + i));
+        self.at_rest.extend(rows);
     }
 
     /// The equation that a function vanishes here, from its gradient in the state and in time.
@@ -137,6 +153,8 @@ pub(super) struct Equations {
     pub largest: f64,
     /// Their derivative by the unknowns.
     pub jacobian: Matrix,
+    /// The part of it that is due to changes of the state.
+    pub changes: Matrix,
     pub pieces: Vec<Piece>,
     pub monodromy: Matrix,
     /// Where the orbit is cut.
@@ -173,6 +191,8 @@ impl Shooting<'_> {
             maps: Vec::new(),
             rows: Vec::new(),
             growth: 1.0,
+            base: 0,
+            at_rest: Vec::new(),
         };
         let velocity = |segment: &Segment, at: &Moment| {
             let flow = self.system.flow(segment.mode, &segment.inside);
@@ -204,19 +224,24 @@ impl Shooting<'_> {
             let row = assembly.of_state.row(i).transpose() - unit(unknowns, i);
             assembly.rows.push((gap[i], row, 1.0));
         }
+        assembly.at_rest(self.states, 0);
         let has_events = !events.is_empty();
         assembly.rows.extend(events);
+        // As if the orbit moved by its extent in a period.
+        let by_time = outline.period() / self.extent;
         // The durations add up to the period of the forcing.
         if let Some(period) = self.forced {
             let is_duration = |i: usize| i >= n && i < time;
             let row = Vector::from_fn(unknowns, |i, _| f64::from(u8::from(is_duration(i))));
-            assembly.rows.push((outline.period() - period, row, 1.0));
+            assembly
+                .rows
+                .push((outline.period() - period, row, by_time));
         }
         // The time at the beginning is arbitrary in an autonomous system, or without an event
         // there.
         if self.forced.is_none() || !has_events {
             let off = outline.begin.t - guess.begin.t;
-            assembly.rows.push((off, unit(unknowns, time), 1.0));
+            assembly.rows.push((off, unit(unknowns, time), by_time));
         }
         if self.forced.is_none() && !has_events {
             let along = begins.rows(0, self.states);
@@ -240,19 +265,24 @@ impl Shooting<'_> {
         let speed = assembly.maps.iter().map(|map| map.velocity.amax());
         let speed = speed.fold(begins.amax(), f64::max);
         let time = assembly.at.t.abs().max(outline.begin.t.abs());
-        let by_time = time * speed * (steps as f64).sqrt();
+        let of_times = time * speed * (steps as f64).sqrt();
         let by_state = ULPS * steps as f64 * size;
         let rows = assembly.rows;
+        let jacobian = Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]);
+        let at_rest = |i: usize, j: usize| assembly.at_rest.get(i).map_or(0.0, |row| row[j]);
         let sizes = rows.iter().map(|(value, _, size)| (value / size).abs());
         Some(Equations {
             largest: sizes.fold(0.0, f64::max),
             residuals: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
-            jacobian: Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]),
+            changes: Matrix::from_fn(rows.len(), unknowns, |i, j| {
+                jacobian[(i, j)] - at_rest(i, j)
+            }),
+            jacobian,
             pieces: assembly.pieces,
             monodromy,
             anchor,
             velocities: [begins, ends],
-            rounding: f64::EPSILON * (by_state + by_time) * assembly.growth,
+            rounding: f64::EPSILON * (by_state + of_times) * assembly.growth,
             steps,
         })
     }

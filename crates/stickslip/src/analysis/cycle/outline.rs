@@ -265,6 +265,12 @@ impl Outline {
         Modes::cycle(modes)
     }
 
+    /// Number of segments that the kink of an input ends.
+    pub fn kinks(&self) -> usize {
+        let ends = self.segments.iter().filter_map(|segment| segment.end);
+        ends.filter(|end| end.at_kink.is_some()).count()
+    }
+
     /// The segment before one.
     pub fn before(&self, number: usize) -> &Segment {
         let count = self.segments.len();
