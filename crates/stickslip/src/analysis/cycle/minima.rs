@@ -12,8 +12,8 @@ use crate::filippov::Options;
 const SAMPLES: usize = 8;
 
 /// Time before the kink of an input at which it has its values before that, as a fraction of the
-/// time and of the period. Chosen: a thousand times the rounding of a clock.
-const BEFORE_KINK: f64 = 1e-12;
+/// time and of the period. Chosen: four times the rounding of a clock.
+const BEFORE_KINK: f64 = 64.0 * f64::EPSILON;
 
 /// Fraction of a step after which a guard has left the zero with which its phase begins: a
 /// sixteenth of the distance of samples.
