@@ -24,10 +24,10 @@ struct Assembly<'a> {
     rows: Vec<Equation>,
     /// Largest amplification of an error so far.
     growth: f64,
+    /// The unknowns that the first equations set equal if no state changes over any piece.
+    unchanged: Vec<[usize; 2]>,
     /// Where the state with which the present piece begins stands among the unknowns.
     base: usize,
-    /// The derivative of the equations if no state changed over any piece.
-    at_rest: Vec<Vector>,
 }
 
 impl Assembly<'_> {
@@ -72,22 +72,12 @@ impl Assembly<'_> {
         let rows = &self.of_state - &by_cut;
         for i in 0..n {
             self.rows.push((gap[i], rows.row(i).transpose(), 1.0));
+            self.unchanged.push([self.base + i, place + i]);
         }
-        self.at_rest(n, place);
         self.base = place;
         self.of_state = by_cut;
         self.at.x.clone_from(state);
         Some(())
-    }
-
-    /// The derivative of the last equations, that the first components of the state here equal
-    /// those that stand at a place among the unknowns, if the state had not changed.
-    fn at_rest(&mut self, components: usize, place: usize) {
-        let count = self.of_state.ncols();
-        self.at_rest
-            .resize(self.rows.len() - components, Vector::zeros(count));
-        let rows = (0..components).map(|i| unit(count, self.base + i) - unit(count, place + i));
-        self.at_rest.extend(rows);
     }
 
     /// The equation that a function vanishes here, from its gradient in the state and in time.
@@ -191,8 +181,8 @@ impl Shooting<'_> {
             maps: Vec::new(),
             rows: Vec::new(),
             growth: 1.0,
+            unchanged: Vec::new(),
             base: 0,
-            at_rest: Vec::new(),
         };
         let velocity = |segment: &Segment, at: &Moment| {
             let flow = self.system.flow(segment.mode, &segment.inside);
@@ -223,8 +213,8 @@ impl Shooting<'_> {
         for i in 0..self.states {
             let row = assembly.of_state.row(i).transpose() - unit(unknowns, i);
             assembly.rows.push((gap[i], row, 1.0));
+            assembly.unchanged.push([assembly.base + i, i]);
         }
-        assembly.at_rest(self.states, 0);
         let has_events = !events.is_empty();
         assembly.rows.extend(events);
         // As if the orbit moved by its extent in a period.
@@ -233,9 +223,8 @@ impl Shooting<'_> {
         if let Some(period) = self.forced {
             let is_duration = |i: usize| i >= n && i < time;
             let row = Vector::from_fn(unknowns, |i, _| f64::from(u8::from(is_duration(i))));
-            assembly
-                .rows
-                .push((outline.period() - period, row, by_time));
+            let off = outline.period() - period;
+            assembly.rows.push((off, row, by_time));
         }
         // The time at the beginning is arbitrary in an autonomous system, or without an event
         // there.
@@ -269,15 +258,17 @@ impl Shooting<'_> {
         let by_state = ULPS * steps as f64 * size;
         let rows = assembly.rows;
         let jacobian = Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]);
-        let at_rest = |i: usize, j: usize| assembly.at_rest.get(i).map_or(0.0, |row| row[j]);
+        let mut changes = jacobian.clone();
+        for (i, [from, to]) in assembly.unchanged.into_iter().enumerate() {
+            changes[(i, from)] -= 1.0;
+            changes[(i, to)] += 1.0;
+        }
         let sizes = rows.iter().map(|(value, _, size)| (value / size).abs());
         Some(Equations {
             largest: sizes.fold(0.0, f64::max),
             residuals: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
-            changes: Matrix::from_fn(rows.len(), unknowns, |i, j| {
-                jacobian[(i, j)] - at_rest(i, j)
-            }),
             jacobian,
+            changes,
             pieces: assembly.pieces,
             monodromy,
             anchor,

@@ -177,7 +177,6 @@ fn minima(
                 let of_input = before.fold(system.contacts(), usize::max) + input;
                 places.push((MarginKind::End(number), Some(of_input), (end.step, end.s)));
             }
-            let turns = |a: &Sample, b: &Sample| falls(a) && !falls(b);
             // At a kink, the lower side.
             let lowest = |a: &Sample, b: &Sample| {
                 let rise = (b.jet[0] - a.jet[0]) / (closeness(options) * scale);
@@ -197,7 +196,7 @@ fn minima(
                 if is_kink(a, b) {
                     let place = lowest(a, b).filter(|_| may_vanish(k));
                     places.extend(place.map(|place| (minimum, None, place)));
-                } else if may_vanish(k) && turns(a, b) {
+                } else if may_vanish(k) && falls(a) && !falls(b) {
                     let rate = |s: f64| {
                         let [_, rate, second, _] = jet(b.step, s);
                         [rate, second]

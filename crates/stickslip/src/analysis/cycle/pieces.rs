@@ -95,15 +95,12 @@ impl Shooting<'_> {
             return Some(piece);
         }
         let whole = piece.steps.iter().map(|(step, _)| step);
-        let halves = whole.flat_map(|step| [0.5 * (step.t_start + step.t_end), step.t_end]);
-        let begin = Piece {
-            end: piece.begin.clone(),
-            begin: piece.begin,
-            steps: Vec::new(),
-        };
-        halves.into_iter().try_fold(begin, |before, t| {
+        let mut halves = whole.flat_map(|step| [0.5 * (step.t_start + step.t_end), step.t_end]);
+        let begin = self.run_in(segment, piece.begin.clone(), piece.begin.t, options);
+        halves.try_fold(begin?, |before, t| {
+            let first_step = Some(t - before.end.t).filter(|step| *step > 0.0);
             let options = Options {
-                first_step: Some(t - before.end.t).filter(|step| *step > 0.0),
+                first_step,
                 ..*options
             };
             let next = self.run_in(segment, before.end.clone(), t, &options)?;

@@ -46,10 +46,8 @@ impl<'a> Shooting<'a> {
 
     /// The same with steps of half the length.
     pub fn finer(&self) -> Self {
-        Shooting {
-            is_finer: true,
-            ..*self
-        }
+        let is_finer = true;
+        Shooting { is_finer, ..*self }
     }
 
     /// Whether an orbit has the phases of its sequence.
