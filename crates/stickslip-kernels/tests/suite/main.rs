@@ -9,6 +9,7 @@ mod known_answers;
 mod friction;
 mod inputs;
 mod long_formulas;
+mod orbits;
 mod parse;
 mod pile_ups;
 mod public_cases;
