@@ -4,7 +4,6 @@ mod command_line;
 mod continuation;
 mod families;
 mod hybrid;
-mod known_answers;
 mod long_runs;
 mod model_2_page;
 mod places_on_branches;
