@@ -97,6 +97,8 @@ pub struct PileUpDetector<const N: usize, K> {
     /// Extent of the motion since the last transition: the largest distance of a component from its
     /// value there, in tolerances; 0 if it is rounding.
     extent: f64,
+    /// Whether a phase was resolved.
+    has_moved: bool,
     /// Number of unresolved phases in a row over which the motion shrinks, and whether time moves
     /// the state in one of them.
     unresolved: usize,
@@ -118,6 +120,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         PileUpDetector {
             burst: Burst::new(),
             extent: 0.0,
+            has_moved: false,
             unresolved: 0,
             is_driven: false,
             count: 0,
@@ -187,7 +190,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         };
         self.count += 1;
         let [later, earlier] = self.halves();
-        let shrinks = later.extent < earlier.extent || later.extent == 0.0;
+        self.has_moved |= extent > RESOLVED_MOTION;
+        // Error control does not follow what has come below one tolerance.
+        let shrinks = later.extent < earlier.extent || self.has_moved && later.extent <= 1.0;
         if self.count > 1 && extent <= RESOLVED_MOTION && shrinks {
             self.unresolved += 1;
             self.is_driven |= is_driven();

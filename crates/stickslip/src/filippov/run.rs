@@ -18,7 +18,7 @@ pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Roundings of time since a phase began within which a state that outruns them is too fast for
 /// its times. Chosen: the steps before a singularity span more than that.
-const TOO_LATE: f64 = 1e9;
+const TOO_LATE: f64 = 1e6;
 
 /// Part of the way that a component would still move at its present slowing down, and the growth of
 /// its slope over it beyond which a field is not Lipschitz. Chosen: the slope of `-√x` grows by the
