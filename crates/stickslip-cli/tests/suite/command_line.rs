@@ -1075,7 +1075,7 @@ fn a_periodic_orbit_is_found_with_its_phases() {
     let moduli: Vec<f64> = multipliers
         .lines()
         .skip(1)
-        .map(|line| line.rsplit(',').next().unwrap().parse().unwrap())
+        .map(|line| line.split(',').nth(2).unwrap().parse().unwrap())
         .collect();
     assert!(
         (moduli[0] - 1.0).abs() < 1e-8 && moduli[1] < 1e-9,
