@@ -186,3 +186,19 @@ def test_an_orbit_has_its_phases_and_its_part_in_stick():
     sticks = sol.phases[sol.phases["mode"] == "S"]
     time = (sticks["t_end"] - sticks["t_start"]).sum()
     assert 0 < time and orbit.in_stick == pytest.approx(time / orbit.period, rel=1e-9)
+
+
+def test_curves_follow_the_solution_between_steps():
+    x, v = ss.states("x v")
+    wall = ss.Jump("wall", when=x + 0.5, set={v: -v})
+    sol = ss.solve_ivp(ss.System({x: v, v: -x}, jumps=[wall]), (0, 3), [1, 0])
+    axes = sol.plot()
+    t, position = axes.lines[0].get_data()
+    before = t < 2 * np.pi / 3
+    assert len(t) > 10 * len(sol.t) and before.sum() > 50
+    assert np.allclose(position[before], np.cos(t[before]), rtol=0, atol=1e-10)
+    matplotlib.pyplot.close(axes.figure)
+    # The requested times are drawn as they are.
+    axes = ss.solve_ivp(sol.system, (0, 2), [1, 0], t_eval=[0, 1, 2]).plot()
+    assert len(axes.lines[0].get_xdata()) == 3
+    matplotlib.pyplot.close(axes.figure)

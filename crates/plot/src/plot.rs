@@ -22,7 +22,7 @@ use crate::error::PlotError;
 pub(super) const INVISIBLE: f64 = 0.02;
 
 /// Most points of a curve; of a longer one only what it shows is kept.
-const MOST_POINTS: usize = 1 << 16;
+const MOST_POINTS: usize = 100_000;
 
 /// Most pieces of a line with an element for each.
 const MOST_ELEMENTS: usize = 64;

@@ -109,13 +109,15 @@ pub(super) fn clip_area(points: &[Point], bounds: &Bounds) -> Vec<Point> {
     polygon
 }
 
-/// Points of a piece of a line that is thinned by itself, so that the time is linear in the points.
-const POINTS_PER_PIECE: usize = 1 << 12;
+/// Points of a piece of a long line. In the worst case a piece takes this many squared steps, some
+/// seconds.
+const POINTS_PER_PIECE: usize = 1 << 16;
 
 /// Drops points whose absence moves the line by less than `tolerance` (Ramer, Douglas and Peucker;
 /// without recursion, so a long orbit cannot exhaust the stack). `scale` turns data units into
-/// those of the tolerance. The ends of pieces of a long line are kept: in a spiral every split
-/// leaves nearly all points on one side, and takes the square of a piece's points.
+/// those of the tolerance. The ends of pieces of a long line are kept. So the time grows with the
+/// square of a piece, not of the line. This matters where every split leaves nearly all points on
+/// one side, as in a spiral.
 pub(super) fn simplify(points: &[Point], scale: Point, tolerance: f64) -> Vec<Point> {
     if points.len() < 3 {
         return points.to_vec();

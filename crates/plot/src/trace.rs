@@ -25,6 +25,10 @@ const COARSER: f64 = 1.5;
 /// evenly, as over time, needs a new grid only now and then.
 const FREE: f64 = 1.0;
 
+/// Number of points from which on a curve is thinned, and of those that are simplified together:
+/// the time of either may grow with the square.
+const FEW: usize = 1 << 14;
+
 /// Points of a curve, thinned while they are recorded. What is drawn already is not kept again, so
 /// that time is linear in the points and memory bounded. A part of a line is dropped if cells of a
 /// grid that lines have passed before cover it, over the whole width of the pen.
@@ -46,12 +50,12 @@ pub struct Trace {
 
 impl Trace {
     /// No points, of a curve that is drawn by a pen of some width in a rectangle of some size, in
-    /// px. A curve of fewer points than `most` is kept as it is; of another one as many remain.
+    /// px. A curve of few points is kept as it is; of a long one `most` points remain at most.
     pub fn new(size: (f64, f64), pen: f64, most: usize) -> Self {
         Self {
             points: Vec::new(),
             thinned: 0,
-            limit: most,
+            limit: most.min(FEW),
             most,
             size,
             pen,
@@ -115,7 +119,7 @@ impl Trace {
             }
         }
         self.thinned = self.points.len();
-        self.limit = self.most.max(2 * self.thinned);
+        self.limit = self.most.min(FEW).max(2 * self.thinned);
         self.points.extend(tip);
     }
 }
@@ -233,7 +237,9 @@ impl Grid {
         let per_unit = (self.scale.0 * self.cell, self.scale.1 * self.cell);
         let lines = points.split(|p| p.0.is_nan() || p.1.is_nan());
         let lines = lines.filter(|line| !line.is_empty()).flat_map(|line| {
-            let mut line = simplify(line, per_unit, INVISIBLE);
+            let pieces = line.chunks(FEW);
+            let pieces = pieces.map(|piece| simplify(piece, per_unit, INVISIBLE));
+            let mut line = pieces.collect::<Vec<_>>().concat();
             line.push((f64::NAN, f64::NAN));
             line
         });

@@ -59,10 +59,10 @@ impl Pictures {
     fn new(system: &System, at: &Moment) -> Self {
         let trace = |size, pen, count: usize| Trace::new(size, pen, MOST_POINTS / count);
         let contacts = system.contacts();
-        let stick = |contact| trace(PORTRAIT_SIZE, stick_width(contacts, contact), 1 + contacts);
+        let stick = |contact| trace(PORTRAIT_SIZE, stick_width(contacts, contact), 2 + contacts);
         let mut pictures = Pictures {
             history: vec![trace(HISTORY_SIZE, CURVE_WIDTH, at.x.len()); at.x.len()],
-            portrait: trace(PORTRAIT_SIZE, CURVE_WIDTH, 1 + contacts),
+            portrait: trace(PORTRAIT_SIZE, CURVE_WIDTH, 2 + contacts),
             sticks: (0..contacts).map(stick).collect(),
             extents: at.x.iter().map(|&x| (x, x)).collect(),
         };

@@ -199,13 +199,15 @@ impl Report {
     }
 
     fn left_out(&mut self, figure: &str, error: &dyn Display) {
-        let words = || format!("the figure {figure} is left out: {error}");
-        self.failure.get_or_insert_with(words);
+        self.failure(Some(format!("the figure {figure} is left out: {error}")));
     }
 
-    /// An error that occurred after the results were computed.
+    /// Adds an error that occurred after the results were computed.
     pub(crate) fn failure(&mut self, failure: Option<String>) -> &mut Self {
-        self.failure = failure.or(self.failure.take());
+        self.failure = match (self.failure.take(), failure) {
+            (Some(one), Some(other)) => Some(format!("{one}; {other}")),
+            (one, other) => one.or(other),
+        };
         self
     }
 
