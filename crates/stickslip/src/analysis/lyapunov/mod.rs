@@ -247,14 +247,6 @@ fn follow(
     orbit: &mut dyn OrbitUnderWay,
     measurement: &mut Measurement<'_>,
 ) -> Result<Summary, Error> {
-    let followed = carried(orbit, measurement);
-    followed.map_err(|error| measurement.explained(error))
-}
-
-fn carried(
-    orbit: &mut dyn OrbitUnderWay,
-    measurement: &mut Measurement<'_>,
-) -> Result<Summary, Error> {
     loop {
         match orbit.step()? {
             OrbitProgress::Step => measurement.step(&orbit.last_step(), orbit)?,
