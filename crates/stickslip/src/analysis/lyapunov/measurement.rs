@@ -277,15 +277,12 @@ impl Measurement<'_> {
     /// Whether an orbit passes boundaries that do not move, and moves by less than its tolerances.
     /// The rounding of its states then decides on which side it is.
     fn is_lost(&mut self, at: &Transition) -> bool {
-        let system = self.tangent.system;
-        let guard = system
-            .discontinuity_guard(at)
-            .filter(|_| at.kind != TransitionKind::Jump);
-        if let Some(guard) = guard {
-            let here = at.moment();
-            let (_, in_time) = system.flow(at.from, &here).guard_gradient(guard, &here);
-            self.narrow.1 += usize::from(in_time == 0.0);
-        }
+        let here = at.moment();
+        let flow = self.tangent.system.flow(at.from, &here);
+        let guards = flow.guards().into_iter();
+        let mut guards = guards.filter(|guard| !guard.is_of_jump);
+        let moves = guards.any(|guard| flow.guard_gradient(guard.number, &here).1 != 0.0);
+        self.narrow.1 += usize::from(!moves && at.kind != TransitionKind::Jump);
         self.narrow.1 >= NARROW_TRANSITIONS
     }
 
