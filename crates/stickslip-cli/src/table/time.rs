@@ -9,6 +9,10 @@ const STEP_TOLERANCE: f64 = 0.01;
 /// that changes it by no more.
 const PRINTING_ERROR: f64 = 1e-9;
 
+/// Fewest values that show that uneven steps are rounded even ones. Chosen: a few values of any
+/// column lie within the rounding of a line.
+const ROUNDED_VALUES: usize = 10;
+
 /// The median of the steps between values; `None` for fewer than two values.
 pub(super) fn middle_step(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let pairs = values.clone().zip(values.skip(1));
@@ -44,7 +48,8 @@ pub(super) fn is_even(values: impl DoubleEndedIterator<Item = f64> + Clone, step
     };
     // The mean itself is off by the rounding of both ends, and a lost row by a whole step.
     let is_near = agree(mean, step) || (mean - step).abs() <= grid;
-    grid < 0.5 * step.abs()
+    sorted.len() >= ROUNDED_VALUES
+        && grid < 0.5 * step.abs()
         && (deviates_below(step, grid) || is_near && deviates_below(mean, 2.0 * grid))
 }
 

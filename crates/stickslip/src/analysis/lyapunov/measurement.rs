@@ -26,7 +26,7 @@ const MATRIX_ROUNDING: f64 = 1e-13;
 /// the time of a further vector.
 const PARTS_PER_CHECK: u64 = 16;
 
-/// Transitions within the tolerances of one place after which their order is no more known. Chosen.
+/// Transitions within the tolerances of one place after which an orbit is lost there. Chosen.
 const NARROW_TRANSITIONS: usize = 4;
 
 /// The frame and its sums.
@@ -274,17 +274,16 @@ impl Measurement<'_> {
         });
     }
 
-    /// The error of a frame without an image. Where an orbit moves by less than its tolerances, the
-    /// rounding of its states decides on which side of a boundary they are.
-    pub(super) fn explained(&self, error: Error) -> Error {
-        let (Moment { t, x }, transitions) = &self.narrow;
-        match error {
-            Error::TangentSingular { .. } if *transitions >= NARROW_TRANSITIONS => {
-                let (t, x) = (*t, Point::from(x));
-                Error::Shrunk { t, x }
-            }
-            error => error,
-        }
+    /// Whether an orbit passes boundaries that do not move, and moves by less than its tolerances.
+    /// The rounding of its states then decides on which side it is.
+    fn is_lost(&mut self, at: &Transition) -> bool {
+        let here = at.moment();
+        let flow = self.tangent.system.flow(at.from, &here);
+        let guards = flow.guards().into_iter();
+        let mut guards = guards.filter(|guard| !guard.is_of_jump);
+        let moves = guards.any(|guard| flow.guard_gradient(guard.number, &here).1 != 0.0);
+        self.narrow.1 += usize::from(!moves && at.kind != TransitionKind::Jump);
+        self.narrow.1 >= NARROW_TRANSITIONS
     }
 
     fn is_at_place(&self, x: &Vector) -> bool {
@@ -364,7 +363,10 @@ impl Measurement<'_> {
 
     /// Carries the frame through a transition.
     pub(super) fn transition(&mut self, at: &Transition) -> Result<(), Error> {
-        self.narrow.1 += 1;
+        if self.is_lost(at) {
+            let (t, x) = (self.narrow.0.t, Point::from(&self.narrow.0.x));
+            return Err(Error::Shrunk { t, x });
+        }
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at)? else {
