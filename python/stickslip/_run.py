@@ -356,7 +356,7 @@ def solve_ivp(
         found.update(status=-1, message=f"The run was interrupted at t = {end}.")
     elif found["status"] not in (0, 1):
         warnings.warn(found["message"], SolverWarning, stacklevel=2)
-    if doubt := found.pop("doubt"):
+    for doubt in found.pop("doubtful"):
         warnings.warn(doubt, SolverWarning, stacklevel=2)
     passed, core = found.pop("events"), found.pop("sol")
     found["y"] = found["y"].T

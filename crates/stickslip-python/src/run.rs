@@ -13,9 +13,9 @@ use stickslip::dynamics::{
 use stickslip::{Ending, Error, Options};
 use stickslip_kernels::file::System as CompiledSystem;
 use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::FrictionWatch;
+use stickslip_kernels::study::{FrictionWatch, StepMonitor};
 
-use crate::errors::{failed, words};
+use crate::errors::{Keywords, failed, words};
 use crate::fields::{Fields, array};
 use crate::task::{Report, SIGNAL_INTERVAL, check_signals};
 use crate::{Settings, System};
@@ -128,6 +128,9 @@ struct Recording<'a> {
     limit: f64,
     signals: &'a mut Signals,
     friction: FrictionWatch<'a>,
+    monitor: StepMonitor,
+    /// What looks wrong with the steps so far.
+    doubtful: Vec<String>,
     /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
     /// Requested times that are not yet reached, the next one last.
@@ -174,6 +177,7 @@ impl Recording<'_> {
             others.for_each(|other| other.advance(step.t_end, limit));
             self.points_of(&step, orbit);
             self.friction.step(orbit);
+            self.doubtful.extend(self.monitor.step(&step, &Keywords));
             self.last = (step.t_end, step.x_end.clone());
         }
         if let Some(steps) = &mut self.steps {
@@ -267,6 +271,8 @@ fn solved<'a>(
         limit,
         signals,
         friction: FrictionWatch::new(recorded),
+        monitor: StepMonitor::new((t, x), t_end, options),
+        doubtful: Vec::new(),
         points: match requested {
             None => vec![start.clone()],
             Some(_) => Vec::new(),
@@ -399,7 +405,10 @@ fn described<'py>(
     phases.rows("y_start", all.iter().map(|phase| &phase.x_start), states)?;
     phases.rows("y_end", all.iter().map(|phase| &phase.x_end), states)?;
     fields.fields("phases", phases)?;
-    fields.put("doubt", recording.friction.warning())?;
+    let mut doubtful = recording.doubtful;
+    doubtful.extend(recording.friction.warning());
+    doubtful.extend(recording.monitor.below_tolerance(system, &Keywords));
+    fields.put("doubtful", doubtful)?;
     let end = recording.last;
     let dense = recording.steps.map(|steps| Dense { steps, end });
     fields.put("sol", dense)?;
