@@ -135,7 +135,7 @@ bench-python: wheel ## The Python package beside SciPy, heyoka and pydiffsol: re
 # Code blocks run on the wheel and the program, and write the pictures of the pages. The documentation
 # of the crates and the report are copied beside the pages. Of the crates only the libraries are
 # documented, since the program has the name of one. Examples run each time, since what they use may
-# have changed.
+# have changed. The report's links to files of the project are dropped: the site has no sources.
 DOCS_VENV := target/docs-venv
 DOCS := target/docs/html
 
@@ -150,7 +150,7 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	rm -rf "$$(dirname $(STICKSLIP))/../doc"
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --lib
 	cp -r "$$(dirname $(STICKSLIP))/../doc" $(DOCS)/rust
-	mkdir $(DOCS)/report && cp report/index.html $(DOCS)/report/
+	mkdir $(DOCS)/report && sed -E 's/ href="\.\.\/[^"]*"//g' report/index.html > $(DOCS)/report/index.html
 	$(DOCS_VENV)/bin/python docs/check_links.py $(DOCS)
 
 # What a release consists of: the library's package, the wheel, and the program for this machine.

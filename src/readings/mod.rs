@@ -34,6 +34,8 @@ pub use committed::{CommittedSearch, Match};
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
+pub use search::{Scaled, estimate};
+pub use settings::Setting;
 pub use significance::{MatchLevel, Share};
 use store::{OPTION, Store, TABLE};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
