@@ -112,7 +112,7 @@ python-test: ## Install the wheel into an empty environment and run its tests; e
 # Code blocks run on the wheel and the program, and write the pictures of the pages. The documentation
 # of the crates and the report are copied beside the pages. Of the crates only the libraries are
 # documented, since the program has the name of one. Examples run each time, since what they use may
-# have changed.
+# have changed. The report's links to files of the project are dropped: the site has no sources.
 DOCS_VENV := target/docs-venv
 DOCS := target/docs/html
 
@@ -127,7 +127,7 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	rm -rf "$$(dirname $(STICKSLIP))/../doc"
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --lib
 	cp -r "$$(dirname $(STICKSLIP))/../doc" $(DOCS)/rust
-	mkdir $(DOCS)/report && cp report/index.html $(DOCS)/report/
+	mkdir $(DOCS)/report && sed -E 's/ href="\.\.\/[^"]*"//g' report/index.html > $(DOCS)/report/index.html
 	$(DOCS_VENV)/bin/python docs/check_links.py $(DOCS)
 
 # What a release consists of: the library's package, the wheel, and the program for this machine.

@@ -36,6 +36,35 @@ described! {
     }
 }
 
+described! {
+    /// How a claim is counted.
+    Group: (&'static str, &'static str) as described {
+        /// It follows by algebra from the printed polynomials of Sects. 2 and 4.
+        Algebra = ("algebra", "algebra of the printed polynomials"),
+        /// A number of the simulation in Fig. 8.
+        Number = ("number", "simulated numbers of Fig. 8"),
+        /// The class of a motion in Figs. 10–12.
+        Class = ("class", "classes of Figs. 10–12"),
+        /// A Lyapunov exponent, or the ratio of two.
+        Exponent = ("exponent", "exponents of Figs. 10–12, and a ratio of two"),
+        /// Any other sentence or curve.
+        Statement = ("statement", "other sentences and curves"),
+    }
+}
+
+impl Group {
+    /// Its name in the table.
+    pub fn name(self) -> &'static str {
+        self.described().0
+    }
+
+    /// What it holds.
+    #[cfg(feature = "report")]
+    pub fn meaning(self) -> &'static str {
+        self.described().1
+    }
+}
+
 impl ClaimKind {
     fn named(name: &str) -> Option<ClaimKind> {
         ClaimKind::ALL.into_iter().find(|kind| kind.name() == name)
@@ -90,6 +119,10 @@ pub struct Claim {
     pub corrections: String,
     /// How it is judged.
     pub check: String,
+    /// How it is counted.
+    pub group: Group,
+    /// The function that judges it, and a test of it: file, `::`, name.
+    pub sources: [String; 2],
     /// The published numbers; none for a claim in words.
     values: Vec<f64>,
 }
@@ -100,10 +133,10 @@ impl Claim {
     /// # Errors
     /// A message with the column that is wrong.
     pub(crate) fn of_record(record: &csv::StringRecord) -> Result<Claim, String> {
-        if record.len() != 10 {
+        if record.len() != 13 {
             let fields = record.len();
             let row = &record[0];
-            return Err(format!("row {row:?} has {fields} fields, but must have 10"));
+            return Err(format!("row {row:?} has {fields} fields, but must have 13"));
         }
         let text = |column: usize| record[column].to_owned();
         let (id, published) = (&record[0], &record[3]);
@@ -124,6 +157,8 @@ impl Claim {
             let allowed = "one number, with its digits, for a value";
             return Err(wrong("published", published, allowed));
         }
+        let group = Group::ALL.into_iter().find(|one| one.name() == &record[10]);
+        let groups = "algebra, number, class, exponent or statement";
         let list = "src/paper/claim_id.rs";
         let unknown = || format!("{id:?} is none of the claims in {list}; add it there");
         Ok(Claim {
@@ -137,6 +172,8 @@ impl Claim {
             part: text(7),
             corrections: text(8),
             check: text(9),
+            group: group.ok_or_else(|| wrong("group", &record[10], groups))?,
+            sources: [text(11), text(12)],
             values,
         })
     }
@@ -194,7 +231,7 @@ impl Claims {
         COMMITTED.as_ref().map_err(Clone::clone)
     }
 
-    /// Reads a table with the columns `id, where, kind, published, digits, unit, what it says`.
+    /// Reads a table with the columns of [`Claim`].
     ///
     /// # Errors
     /// A message with the row and the column that are wrong, or with a name that is unknown,
@@ -257,7 +294,7 @@ mod tests {
     }
 
     fn row(row: &str) -> Result<Claim, String> {
-        let fields = row.split(',').chain(["", "", ""]);
+        let fields = row.split(',').chain(["", "", "", "statement", "", ""]);
         Claim::of_record(&fields.collect())
     }
 
@@ -294,7 +331,7 @@ mod tests {
 
     #[test]
     fn malformed_rows_are_refused_with_their_column() {
-        assert!(row("a,b,value").unwrap_err().contains("6 fields"));
+        assert!(row("a,b,value").unwrap_err().contains("9 fields"));
         for (rest, expected) in [
             ("b,number,1,4,m,x", "kind"),
             ("b,value,1,four,m,x", "digits"),

@@ -69,6 +69,12 @@ impl InjectedDefects {
     };
 }
 
+/// A number of the settled motion with the eight decimals to which it has converged by the end of
+/// the run.
+pub fn converged(value: f64) -> f64 {
+    (value * 1e8).round() / 1e8
+}
+
 /// The motion on which Fig. 8's oscillator settles with the defects `injected`, over the length of
 /// the listing's run. The listing's start is on Σ, in a stick phase.
 ///

@@ -9,6 +9,7 @@ use super::scoring::{
     sources,
 };
 use super::search;
+use super::settings::{Setting, settings_name};
 use super::significance::{MatchLevel, Share, digits_share, single_figure_levels};
 use super::table::ConfigurationRow;
 
@@ -51,6 +52,8 @@ pub struct CommittedSearch {
     /// Values of each exponent of each figure over the settings that the paper does not state, for
     /// the recommended reading.
     pub spread: [[ExponentSpread; 4]; 3],
+    /// The rows behind them, each setting once, with the setting.
+    pub recommended: Vec<(ConfigurationRow, Setting)>,
     /// Number of these settings that confirm the statements of Sect. 5.2.
     pub confirmed_statements: ConfirmedStatements,
 }
@@ -125,6 +128,11 @@ impl CommittedSearch {
             let (row, motions) = (row.clone(), search::motions(&plan, row));
             (level, Match { row, motions })
         };
+        let settings = || plan.search.iter().chain(&plan.spread);
+        let with_setting = |row: &&ConfigurationRow| {
+            let setting = settings().find(|one| settings_name(one) == row.key[3]);
+            Some(((*row).clone(), setting?.clone()))
+        };
         Ok(CommittedSearch {
             file: FILE,
             sha256: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
@@ -140,6 +148,7 @@ impl CommittedSearch {
             spread: for_each_exponent(|exponent| {
                 ExponentSpread::of(&recommended, exponent, published)
             }),
+            recommended: recommended.iter().filter_map(with_setting).collect(),
             confirmed_statements: ConfirmedStatements::count(&recommended),
             digits: agreeing,
         })

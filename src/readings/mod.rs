@@ -31,7 +31,8 @@ pub use committed::{CommittedSearch, Match, committed_rows};
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
-pub use search::recomputed;
+pub use search::{Scaled, estimate, recomputed};
+pub use settings::Setting;
 pub use significance::{MatchLevel, Share};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};
 

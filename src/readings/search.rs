@@ -8,16 +8,17 @@ use super::table::{self, ConfigurationRow, OrbitVerdict};
 use crate::figures::block_and_bracket::DT;
 use crate::numbers::extent;
 use crate::paper::models::Caption;
-use stickslip_series::{Neighbourhood, Series, data_spectrum};
+use stickslip_series::{DataExponent, Neighbourhood, Series, data_spectrum};
 
 /// A series with its spread `√Σ var`, and the same with every column scaled by its range.
-struct Scaled {
+pub struct Scaled {
     plain: (Series, f64),
     by_range: (Series, f64),
 }
 
 impl Scaled {
-    fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
+    /// Of states at equal intervals; `None` if there is no series of them.
+    pub fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
         let ranges = [0, 1, 2, 3].map(|c| {
             let (low, high) = extent(rows.iter().map(|x| x[c]));
             high - low
@@ -113,7 +114,16 @@ fn none(why: &'static str) -> FourExponents {
 }
 
 /// Exponents in descending order, as the paper prints them, whatever their status.
-fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> FourExponents {
+fn spectrum(scaled: &Scaled, setting: &Setting) -> FourExponents {
+    let (mut values, mut statuses) = none(table::NO_ESTIMATE);
+    for (k, exponent) in estimate(scaled, setting).iter().take(4).enumerate() {
+        (values[k], statuses[k]) = (exponent.value, exponent.status.word());
+    }
+    (values, statuses)
+}
+
+/// The same with their errors; none if the estimator gives none.
+pub fn estimate(scaled: &Scaled, (unit, settings): &Setting) -> Vec<DataExponent> {
     let (series, unit) = match unit {
         Unit::Spread => (&scaled.plain.0, 1.0),
         Unit::Absolute => (&scaled.plain.0, scaled.plain.1),
@@ -123,18 +133,12 @@ fn spectrum(scaled: &Scaled, (unit, settings): &Setting) -> FourExponents {
     if let Neighbourhood::Ball { eps, .. } = &mut settings.neighbours {
         *eps /= unit;
     }
-    let (mut values, mut statuses) = none(table::NO_ESTIMATE);
-    let Ok(spectrum) = data_spectrum(series, &settings) else {
-        return (values, statuses);
-    };
-    let mut exponents = spectrum.exponents;
+    let spectrum = data_spectrum(series, &settings);
+    let mut exponents = spectrum.map_or_else(|_| Vec::new(), |spectrum| spectrum.exponents);
     // NaN comes last.
     let rank = |value: f64| value.max(f64::NEG_INFINITY);
     exponents.sort_by(|one, other| rank(other.value).total_cmp(&rank(one.value)));
-    for (k, exponent) in exponents.iter().take(4).enumerate() {
-        (values[k], statuses[k]) = (exponent.value, exponent.status.word());
-    }
-    (values, statuses)
+    exponents
 }
 
 #[cfg(test)]

@@ -113,9 +113,12 @@ fn summary(ledger: &Ledger) -> String {
     for (verdict, count) in ledger.counts() {
         text += &format!("{count:>5} {verdict}\n");
     }
-    let shown = ledger.errata.iter().filter(|erratum| erratum.holds).count();
+    let read = ledger.errata.iter().filter(|one| one.by_reading.is_some());
+    let read = read.count();
+    let shown = ledger.errata.iter().filter(|one| one.holds).count() - read;
     text += &format!(
-        "\n{}\n\n{}\n\n{}\n\n{} misprints and defects, {shown} borne out by computation\n\n",
+        "\n{}\n\n{}\n\n{}\n\n{} misprints and defects, {shown} borne out by computation, \
+         {read} by reading\n\n",
         ledger.matrix.sentence(),
         ledger.convergence.sentence(),
         ledger.scan.sentence(),

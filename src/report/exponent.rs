@@ -1,11 +1,10 @@
-//! Additions to the verdict on a published exponent: its sign, and how far the estimator's unstated
-//! settings move it.
+//! A published exponent against the settings of the estimator that the paper does not state: their
+//! range, and the sign by the equations.
 
 use std::fmt;
 
 use super::digits::minus;
 use crate::paper::published::{Claim, Digits};
-use crate::readings::{ExponentSpread, ValueRange};
 use crate::text::described;
 use stickslip::math;
 
@@ -40,15 +39,70 @@ impl fmt::Display for Sign {
     }
 }
 
-/// A published exponent, compared with the equations' sign and the estimator's spread.
+/// What the settings of the estimator, which the paper does not state, say about published digits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OverSettings {
+    /// Nothing, or they agree to a unit of the last digit: the findings decide.
+    Decided,
+    /// They move the value and their range holds the digits; or none identifies it, and the digits
+    /// have the sign of the equations.
+    Undetermined,
+    /// No setting gives the digits: they lie outside the range, or have another sign.
+    Excluded,
+}
+
+/// Range of a value over the settings that identify it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SettingsRange {
+    /// Smallest and largest value; `None` if no setting identifies it.
+    pub ends: Option<[f64; 2]>,
+    /// Standard errors of the two estimates.
+    pub errors: [f64; 2],
+    /// Settings that identify it.
+    pub identifying: usize,
+    /// All settings.
+    pub settings: usize,
+}
+
+impl SettingsRange {
+    /// Number of standard errors by which a range is widened.
+    pub const STANDARD_ERRORS: f64 = 2.0;
+
+    /// The range, widened at both ends by [`SettingsRange::STANDARD_ERRORS`].
+    pub fn widened(&self) -> Option<[f64; 2]> {
+        let [below, above] = self.errors.map(|one| Self::STANDARD_ERRORS * one);
+        self.ends
+            .map(|[least, largest]| [least - below, largest + above])
+    }
+
+    fn sentence(&self, what: &str) -> String {
+        let (identifying, settings) = (self.identifying, self.settings);
+        match self.ends {
+            None => format!("none of {settings} {what} identifies it"),
+            Some(ends) => {
+                let [least, largest] = ends.map(rounded);
+                format!(
+                    "{identifying} of {settings} {what} identify it and give {least} to {largest}"
+                )
+            }
+        }
+    }
+}
+
+/// A published exponent or ratio of two, compared with the equations' sign and the estimator's
+/// settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentCheck {
     /// The published number.
     pub published: f64,
     /// Sign of the exponent from the corrected equations; zero within its error.
     pub sign: Sign,
-    /// Values from the estimator's settings.
-    pub spread: ExponentSpread,
+    /// Whether the equations give −∞.
+    pub annihilated: bool,
+    /// Over all settings.
+    pub range: SettingsRange,
+    /// Over those with Eq. (25) as printed, which has no affine term.
+    pub linear: SettingsRange,
 }
 
 impl ExponentCheck {
@@ -57,48 +111,73 @@ impl ExponentCheck {
         Sign::printed(self.published) == self.sign
     }
 
-    /// Whether the published number is within the range of the settings that identify the exponent.
-    pub fn within_range(&self) -> bool {
-        let within = |of: ValueRange| (of.least..=of.largest).contains(&self.published);
-        self.spread.values.is_some_and(within)
-    }
-
-    /// Whether the settings decide it. Some leave it unidentified, or the others move it by more
-    /// than a unit of the last printed digit.
-    pub fn is_undetermined(&self, claim: &Claim) -> bool {
-        let Digits::Decimals(decimals) = claim.digits else {
-            return false;
+    /// Whether the published digits, half a unit of the last either way, meet the widened range.
+    pub fn within_range(&self, claim: &Claim) -> bool {
+        let half = 0.5 * unit(claim);
+        let meets = |[least, largest]: [f64; 2]| {
+            self.published + half >= least && self.published - half <= largest
         };
-        let wide = |of: ValueRange| of.largest - of.least > math::pow(10.0, -(decimals as f64));
-        self.spread.unidentified > 0 || self.spread.values.is_none_or(wide)
+        self.range.widened().is_some_and(meets)
     }
 
-    /// The values from the settings, in words.
-    pub fn sentence(&self) -> String {
-        let ExponentSpread {
-            values,
+    /// What the settings say about the published digits.
+    pub fn over_settings(&self, claim: &Claim) -> OverSettings {
+        let SettingsRange {
+            ends,
+            identifying,
             settings,
-            unidentified,
-            agreeing,
             ..
-        } = self.spread;
-        let Some(values) = values else {
-            return format!(
-                "none of {settings} settings of the estimator identifies it; {agreeing} give the \
-                 published digits"
-            );
+        } = self.range;
+        let Some([least, largest]) = ends else {
+            return match self.sign_agrees() {
+                true => OverSettings::Undetermined,
+                false => OverSettings::Excluded,
+            };
         };
-        let (least, largest) = (rounded(values.least), rounded(values.largest));
-        let identifying = settings - unidentified;
-        let contains = match self.within_range() {
-            true => "contains",
-            false => "does not contain",
+        match self.within_range(claim) {
+            false => OverSettings::Excluded,
+            true if identifying < settings || largest - least > unit(claim) => {
+                OverSettings::Undetermined
+            }
+            true => OverSettings::Decided,
+        }
+    }
+
+    /// The settings and what they say, in words.
+    pub fn sentence(&self, claim: &Claim) -> String {
+        let all = self.range.sentence("settings of the estimator");
+        let linear = self
+            .linear
+            .sentence("with Eq. (25) as printed, without an affine term,");
+        let says = match (self.range.widened(), self.over_settings(claim)) {
+            (Some(widened), _) => {
+                let [least, largest] = widened.map(rounded);
+                let lie = match self.within_range(claim) {
+                    true => "the published digits lie in that range",
+                    false => "no setting tried gives the published digits",
+                };
+                format!("widened by two standard errors of its ends, {least} to {largest}: {lie}")
+            }
+            (None, OverSettings::Excluded) => {
+                "the published sign is not that of the equations".into()
+            }
+            (None, _) => "the published sign is that of the equations".into(),
         };
-        format!(
-            "{identifying} of {settings} settings of the estimator identify an exponent in this \
-             place and give {least} to {largest}, which {contains} the published value; {agreeing} \
-             of all settings give the published digits"
-        )
+        let annihilated = match self.annihilated {
+            true => {
+                "; the equations give −∞, which no estimate from data can: only the sign is judged"
+            }
+            false => "",
+        };
+        format!("{all}; {says}{annihilated}; {linear}")
+    }
+}
+
+/// Unit of the last printed digit.
+fn unit(claim: &Claim) -> f64 {
+    match claim.digits {
+        Digits::Decimals(decimals) => math::pow(10.0, -(decimals as f64)),
+        Digits::Exact | Digits::None => 0.0,
     }
 }
 
@@ -115,37 +194,49 @@ fn rounded(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn of(published: f64, sign: Sign, range: Option<(f64, f64)>) -> ExponentCheck {
-        let values = range.map(|(least, largest)| ValueRange {
-            least,
-            median: least,
-            largest,
-        });
-        let spread = ExponentSpread {
-            values,
+    fn of(published: f64, sign: Sign, ends: Option<[f64; 2]>) -> ExponentCheck {
+        let range = SettingsRange {
+            ends,
+            errors: [1e-5; 2],
+            identifying: 2 * usize::from(ends.is_some()),
             settings: 2,
-            unidentified: 2 * usize::from(range.is_none()),
-            doubtful: 0,
-            agreeing: 0,
         };
         ExponentCheck {
             published,
             sign,
-            spread,
+            annihilated: false,
+            range,
+            linear: range,
         }
     }
 
     #[test]
-    fn settings_decide_where_they_move_the_last_digit_or_identify_nothing() {
+    fn published_digits_decide_between_open_and_excluded() {
+        use OverSettings::{Decided, Excluded, Undetermined};
         let claims = crate::paper::published::Claims::committed().unwrap();
         let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda1);
-        let with = |range| of(-0.0004, Sign::Zero, range);
-        assert!(with(Some((-0.0002, -0.00005))).is_undetermined(claim));
-        assert!(!with(Some((-0.0002, -0.00015))).is_undetermined(claim));
-        assert!(with(None).is_undetermined(claim));
-        let sentence = |range| with(Some(range)).sentence();
-        assert!(sentence((-0.0005, -0.0003)).contains("which contains"));
-        assert!(sentence((0.0, 0.1)).contains("does not contain"));
+        let says = |published, ends| of(published, Sign::Negative, ends).over_settings(claim);
+        let wide = Some([-0.002, -0.001]);
+        // Half a unit of the last digit and two standard errors reach 7e-5 beyond the range.
+        for (published, expected) in [
+            (-0.0015, Undetermined),
+            (-0.00206, Undetermined),
+            (-0.00208, Excluded),
+            (-0.00094, Undetermined),
+            (-0.00092, Excluded),
+            (7.0, Excluded),
+        ] {
+            assert_eq!(says(published, wide), expected, "{published}");
+        }
+        assert_eq!(says(-0.0015, Some([-0.00152, -0.00148])), Decided);
+        // Where no setting identifies it, the sign decides.
+        assert_eq!(
+            (says(-0.3, None), says(0.3, None)),
+            (Undetermined, Excluded)
+        );
+        let sentence = |published| of(published, Sign::Negative, wide).sentence(claim);
+        assert!(sentence(-0.0015).contains("lie in that range"));
+        assert!(sentence(7.0).contains("no setting tried"));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The result of one reading for a claim.
 
 use super::digits::{Agreement, agreement};
+use super::exponent::OverSettings;
 use crate::figures::rows::{Part, Quantity, Row, Value};
 use crate::paper::published::{Claim, ClaimKind, Claims};
 use crate::paper::reading::Reading;
@@ -21,8 +22,8 @@ pub struct Finding {
     pub agrees: bool,
     /// Whether it holds by construction, so that it is not evidence.
     pub by_construction: bool,
-    /// Whether it depends on settings that the paper does not state.
-    pub undetermined: bool,
+    /// What settings that the paper does not state say of it.
+    pub settings: OverSettings,
     /// A note.
     pub note: Option<String>,
 }
@@ -46,7 +47,7 @@ impl Finding {
             digits: None,
             agrees: false,
             by_construction: false,
-            undetermined: false,
+            settings: OverSettings::Decided,
             note: None,
         }
     }
@@ -162,8 +163,12 @@ impl Finding {
         if let Some(note) = self.note.as_ref().filter(|note| *note != "ok") {
             line += &format!(" – {note}");
         }
-        if self.undetermined {
-            line += " – undetermined: settings that the paper does not state decide it";
+        match self.settings {
+            OverSettings::Decided => {}
+            OverSettings::Undetermined => {
+                line += " – undetermined: settings that the paper does not state decide it";
+            }
+            OverSettings::Excluded => line += " – no setting tried gives the published value",
         }
         if self.by_construction {
             line += " – no evidence: it could not have come out otherwise";

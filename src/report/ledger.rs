@@ -6,12 +6,12 @@ use super::convergence::{self, Convergence};
 use super::digits::Agreement;
 use super::errata::{Erratum, errata};
 use super::evidence::Statements;
-use super::exponent::ExponentCheck;
+use super::exponent::{ExponentCheck, OverSettings};
 use super::figures::{self, Computed, signs};
 use super::finding::Finding;
 use super::matrix::{Matrix, SUBSETS};
 use super::scan::{self, Scan};
-use super::spread::{self, Spread};
+use super::spread::{self, Estimated, Spread};
 use super::verdict::{Correction, Verdict};
 use crate::figures::fig08::{PERIODS_FOLLOWED, START_RANGE, Shares};
 use crate::figures::rows::Row;
@@ -21,6 +21,8 @@ use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO_SIZE;
 use crate::terminal::ProgramError;
+use crate::text::joined;
+use stickslip::analysis::Exponent;
 use stickslip_series::Status;
 
 /// One claim, the findings of all readings, and the verdict.
@@ -140,7 +142,7 @@ impl Ledger {
             entries: Vec::new(),
             cause: Cause::new(printed, both, &convergence, published),
             scan: Scan::compute([published[0], published[1]], tick)?,
-            spread: Spread::compute(tick)?,
+            spread: Spread::compute(&computed.bracket, tick)?,
             errata: errata(claims, &matrix, &accuracy, &statements.errata)?,
             matrix,
             convergence,
@@ -160,7 +162,7 @@ impl Ledger {
     }
 
     /// Number of claims with each verdict.
-    pub fn counts(&self) -> [(Verdict, usize); 6] {
+    pub fn counts(&self) -> [(Verdict, usize); 7] {
         Verdict::COUNTED.map(|verdict| (verdict, self.with(verdict)))
     }
 
@@ -187,36 +189,63 @@ impl Ledger {
         findings.extend(match id {
             ClaimId::S3ReleaseAccuracy => self.accuracy.release_findings(),
             ClaimId::S3ArrivalAccuracy => self.accuracy.arrival_findings(),
+            ClaimId::GoodEstimations => self.accuracy.estimations(self.statements.lower_ends),
+            ClaimId::S5Reconstruction => self.spread.reconstruction(),
+            ClaimId::S5LargeEnough => self.spread.large_enough(),
             ClaimId::Eq24TangentPoints => {
                 let rows = Row::members(id, Reading::Exact, &self.statements.at_rest, "m");
                 Finding::of_rows(claims, claim, "report", &rows)
             }
             _ => self.statements.of(id).to_vec(),
         });
-        let exponent = id.exponent().map(|(figure, k)| ExponentCheck {
-            published: claims.value(id),
-            sign: signs(&self.computed.bracket[figure as usize])[k],
-            spread: self.spread.search.spread[figure as usize][k],
-        });
-        let is_undetermined = match exponent {
-            Some(exponent) => exponent.is_undetermined(claim),
-            None => self.settings_decide(id),
+        let exponent = self.check(claims, id);
+        let settings = match exponent {
+            Some(exponent) => exponent.over_settings(claim),
+            None if self.settings_decide(id) => OverSettings::Undetermined,
+            None => OverSettings::Decided,
         };
-        if is_undetermined {
-            for one in &mut findings {
-                one.undetermined |= one.reading == Reading::CorrectedData;
+        for one in &mut findings {
+            match one.reading {
+                Reading::CorrectedData => one.settings = settings,
+                // A bounded orbit of an autonomous flow that tends to no equilibrium has a zero
+                // exponent (Haken, Phys. Lett. A 94 (1983) 71); saltation carries the field before
+                // an event onto the field after it.
+                Reading::CorrectedEquations if id == ClaimId::S5ZeroExponent => {
+                    one.by_construction = true;
+                }
+                _ => {}
             }
         }
         let has_corrected = |one: &Finding| one.reading.role() == Role::Corrected;
         let corrected = findings.iter().any(has_corrected);
+        let corrections: Vec<Correction> = self.corrections(claim).filter(|_| corrected).collect();
         Entry {
-            verdict: Verdict::of(claim.kind, &findings),
-            corrections: self.corrections(claim).filter(|_| corrected).collect(),
+            verdict: Verdict::of(claim.kind, &findings, &corrections),
+            corrections,
             exponent,
             further: self.further(claim, &findings, exponent),
             claim: claim.clone(),
             findings,
         }
+    }
+
+    /// A published exponent, or the ratio of two, against the settings of the estimator.
+    fn check(&self, claims: &Claims, id: ClaimId) -> Option<ExponentCheck> {
+        let (figure, of, place) = match id.exponent() {
+            Some((figure, k)) => (figure, Estimated::Exponent(figure as usize, k), k),
+            // λ1 is positive, so that the ratio has the sign of λ3.
+            None if id == ClaimId::Fig12Ratio => (SpectrumFigure::Fig12, spread::RATIO, 2),
+            None => return None,
+        };
+        let data = &self.computed.bracket[figure as usize];
+        let annihilated = data.exact.spectrum.exponents[place] == Exponent::Annihilated;
+        Some(ExponentCheck {
+            published: claims.value(id),
+            sign: signs(data)[place],
+            annihilated,
+            range: self.spread.range(of, spread::any),
+            linear: self.spread.range(of, spread::as_printed),
+        })
     }
 
     /// The corrections of a claim's corrected readings. The clipped force has no effect on an orbit
@@ -241,6 +270,21 @@ impl Ledger {
             _ => return false,
         };
         confirmed > 0 && confirmed < search.spread[0][0].settings
+    }
+
+    /// The assumption behind the class of Fig. 12.
+    fn assumption_sentence(&self) -> String {
+        let [first, second, third] = self
+            .computed
+            .bracket
+            .each_ref()
+            .map(|data| format!("{:.0} %", 100.0 * data.lifted_share()));
+        format!(
+            "under an added assumption: the normal force is clipped at zero, which the paper does \
+             not say and which was chosen as the only one of the readings below that gives the \
+             caption. The block is off the belt for {third} of the time (Fig. 10: {first}, Fig. 11: \
+             {second})"
+        )
     }
 
     /// How near to zero the estimate from data comes.
@@ -275,6 +319,7 @@ impl Ledger {
         let counts = &search.confirmed_statements;
         match claim.id {
             ClaimId::Fig10Class => vec![
+                self.statements.loops.sentence(),
                 self.spread.mended_sentence(),
                 self.spread.two_periodic_sentence(),
             ],
@@ -284,18 +329,11 @@ impl Ledger {
                     "the class rests on a section that does not close and on the positive \
                         exponent: {shapes}"
                 );
-                vec![class, self.spread.chaos_sentence()]
-            }
-            ClaimId::Fig04NoStick => {
-                let figure = &self.computed.fig04;
-                let (sticking, all) = (figure.sticking, figure.orbits.len());
-                vec![format!(
-                    "{sticking} of the {all} orbits drawn here stick to the belt before they \
-                     settle; their starts are chosen, since the paper's are in its picture alone. \
-                     Of the periodic solution alone the sentence holds. That reading is not \
-                     judged: the sentence says “in the considered system”, and the text goes on to \
-                     the transient trajectory"
-                )]
+                vec![
+                    class,
+                    self.assumption_sentence(),
+                    self.spread.chaos_sentence(),
+                ]
             }
             ClaimId::Fig08TwoPeriodic => vec![
                 shares_sentence(&self.computed.fig08.shares),
@@ -310,7 +348,18 @@ impl Ledger {
                 )],
                 _ => Vec::new(),
             },
+            ClaimId::S5AllNegative => vec![
+                "a bounded orbit of an autonomous flow that tends to no equilibrium has a zero \
+                 exponent (Haken, Phys. Lett. A 94 (1983) 71), so that no motion of the paper can \
+                 have negative ones alone"
+                    .to_owned(),
+            ],
             ClaimId::S5ZeroExponent => vec![
+                "the equations' exponents are no evidence: a bounded orbit of an autonomous flow \
+                 that tends to no equilibrium has a zero exponent (Haken, Phys. Lett. A 94 (1983) \
+                 71), through events because saltation carries the field before onto the field \
+                 after"
+                    .to_owned(),
                 self.nearest_to_zero(),
                 confirmed_statements(counts.zero, "give each figure an exponent that is zero"),
             ],
@@ -333,21 +382,25 @@ impl Ledger {
             ClaimId::S3ArrivalAccuracy => self.accuracy.lines_of_arrival(),
             ClaimId::S3ReleaseAccuracy => self.accuracy.lines_of_release(),
             id => {
-                let (Some(exponent), Some((figure, k))) = (exponent, id.exponent()) else {
-                    return Vec::new();
-                };
-                let is_judged =
-                    |one: &&Finding| one.is_evidence() && one.reading.role() == Role::Corrected;
-                let all_agree = findings.iter().filter(is_judged).all(|one| one.agrees);
-                let settings = exponent.sentence();
-                let settings = match all_agree {
-                    true => format!(
-                        "equations and data round to the published digits; that decides nothing, \
-                         since other settings do not: {settings}"
-                    ),
-                    false => settings,
-                };
-                vec![settings, self.spread.digits_sentence(figure as usize, k)]
+                let mut lines: Vec<String> =
+                    exponent.iter().map(|one| one.sentence(claim)).collect();
+                // Identified by the data, and not the value of the equations.
+                if findings
+                    .iter()
+                    .any(|one| one.note.as_deref() == Some("biased"))
+                {
+                    let values = findings
+                        .iter()
+                        .filter(|one| one.reading.role() == Role::Corrected);
+                    let values = joined(
+                        values.map(|one| format!("{} {}", one.reading, one.text())),
+                        ", ",
+                    );
+                    lines.push(format!("equations and sampled motion disagree: {values}"));
+                }
+                let digits = id.exponent();
+                lines.extend(digits.map(|(f, k)| self.spread.digits_sentence(f as usize, k)));
+                lines
             }
         }
     }

@@ -2,13 +2,13 @@
 
 use std::fmt::Display;
 
-use super::exponent::ExponentCheck;
+use super::exponent::{ExponentCheck, SettingsRange};
 use super::ledger::{Entry, Ledger};
 use super::scan::StartClass;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Digits;
 use crate::paper::reading::Reading;
-use crate::readings::ValueRange;
+use crate::paper::slip_times_three::converged;
 use crate::text::{csv, joined};
 
 /// Every claim with its values under each reading, verdict, cause and evidence.
@@ -38,6 +38,7 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("where", &claim.location);
     add("claim", &claim.what);
     add("kind", &claim.kind.name());
+    add("group", &claim.group.name());
     add("published", &claim.published);
     add("digits", &digits);
     add("unit", &claim.unit);
@@ -53,22 +54,42 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add("corrections", &joined(corrections, " | "));
     // Both are empty except for a published exponent.
     let exponent = entry.exponent.as_ref();
-    let range = exponent.and_then(|one| one.spread.values);
-    let number =
-        |of: fn(ValueRange) -> f64| range.map_or_else(String::new, |v| format!("{:?}", of(v)));
-    let text = |of: fn(&ExponentCheck) -> String| exponent.map(of).unwrap_or_default();
-    add("sign_agrees", &text(|one| one.sign_agrees().to_string()));
-    add("least_over_unstated", &number(|range| range.least));
-    add("median_over_unstated", &number(|range| range.median));
-    add("largest_over_unstated", &number(|range| range.largest));
-    add("settings", &text(|one| one.spread.settings.to_string()));
-    let unidentified = text(|one| one.spread.unidentified.to_string());
-    add("unidentified", &unidentified);
-    let within = text(|one| one.within_range().to_string());
-    add("within_unstated", &within);
+    let text = |of: &dyn Fn(&ExponentCheck) -> String| exponent.map(of).unwrap_or_default();
+    add("sign_agrees", &text(&|one| one.sign_agrees().to_string()));
+    type OfExponent = fn(&ExponentCheck) -> SettingsRange;
+    let ranges: [(&str, OfExponent); 2] = [
+        ("over_unstated", |one| one.range),
+        ("as_in_eq_25", |one| one.linear),
+    ];
+    for (name, of) in ranges {
+        for (end, what) in ["least", "largest"].into_iter().enumerate() {
+            let value = |one: &ExponentCheck| Some(format!("{:?}", of(one).ends?[end]));
+            add(
+                &format!("{what}_{name}"),
+                &text(&|one| value(one).unwrap_or_default()),
+            );
+        }
+        add(
+            &format!("settings_{name}"),
+            &text(&|one| of(one).settings.to_string()),
+        );
+        add(
+            &format!("identifying_{name}"),
+            &text(&|one| of(one).identifying.to_string()),
+        );
+    }
+    let errors = |one: &ExponentCheck| joined(one.range.errors.map(|v| format!("{v:?}")), ";");
+    add("standard_errors_of_ends", &text(&errors));
+    add(
+        "within_widened",
+        &text(&|one| one.within_range(claim).to_string()),
+    );
     let cause = entry.needs_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());
     add("check", &claim.check);
+    for (name, source) in ["code", "test"].into_iter().zip(&claim.sources) {
+        add(name, source);
+    }
     for reading in Reading::ALL {
         let of = entry.findings.iter().filter(|one| one.reading == reading);
         let lines = joined(of.map(|one| entry.line(one)), " | ");
@@ -87,7 +108,7 @@ pub fn convergence(ledger: &Ledger) -> String {
     header.extend(ClaimId::STICK_NUMBERS.map(|id| id.to_string()));
     header.extend(ClaimId::STICK_NUMBERS.map(|id| format!("{id}.error")));
     let row = |h: String, complete: bool, numbers: Option<[f64; 4]>| {
-        let errors = numbers.map(|four| std::array::from_fn(|i| four[i] - limit[i]));
+        let errors = numbers.map(|four| std::array::from_fn(|i| four[i] - converged(limit[i])));
         let cells = |four: Option<[f64; 4]>| match four {
             Some(four) => four.map(|v| format!("{v:?}")),
             None => Default::default(),
@@ -97,6 +118,7 @@ pub fn convergence(ledger: &Ledger) -> String {
         row
     };
     let complete = convergence.limit_digits.iter().all(|one| one.complete());
+    let limit = limit.map(converged);
     let mut rows = vec![header, row("0".to_owned(), complete, Some(limit))];
     let steps = convergence.steps.iter().chain(&convergence.around);
     rows.extend(steps.map(|at| row(format!("{:?}", at.h), at.gives_digits(), at.numbers)));

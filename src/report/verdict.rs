@@ -3,6 +3,7 @@
 
 use std::fmt;
 
+use super::exponent::OverSettings;
 use super::finding::Finding;
 use crate::paper::published::{Claim, ClaimKind};
 use crate::paper::reading::Role;
@@ -25,6 +26,14 @@ described! {
             "the model with the corrections that are listed, solved accurately, gives it to every \
             printed digit or in all its parts; as stated it does not",
         ],
+        /// The same, with an assumption that the paper does not make.
+        UnderAssumption = [
+            "reproduced under an added assumption",
+            "assumed",
+            "the corrected model gives it only if the normal force is never negative, which the \
+            paper does not say; among the readings with corrected signs this one was chosen because \
+            it gives the caption of Fig. 12, so that its class is no evidence for it",
+        ],
         /// Only the paper's program or equations, taken literally, give it.
         AsPrintedOnly = [
             "reproduced as printed only",
@@ -43,15 +52,16 @@ described! {
         NotReproduced = [
             "not reproduced",
             "missed",
-            "neither the model as stated, nor a corrected one, nor the program gives it",
+            "neither the model as stated, nor a corrected one, nor the program gives it; for an \
+            exponent, no setting of the estimator that was tried does",
         ],
         /// The value depends on quantities that the paper does not state.
         Undeterminable = [
             "undeterminable",
             "open",
-            "the paper does not state what the value depends on, and plausible settings, which are \
-            listed, move it by more than its printed digits or leave it unidentified; one setting \
-            that agrees or disagrees is no evidence",
+            "the paper does not state what the value depends on; the settings tried move it by more \
+            than its printed digits and their range holds these, or none identifies it and the \
+            published sign is that of the equations; a value outside the range is not reproduced",
         ],
         /// It holds by definition; not counted.
         Identity = [
@@ -65,9 +75,9 @@ described! {
 
 impl Verdict {
     /// The verdicts that are counted, in the order of the tables: all but an identity.
-    pub const COUNTED: [Verdict; 6] = {
-        let [a, b, c, d, e, f, _] = Verdict::ALL;
-        [a, b, c, d, e, f]
+    pub const COUNTED: [Verdict; 7] = {
+        let [a, b, c, d, e, f, g, _] = Verdict::ALL;
+        [a, b, c, d, e, f, g]
     };
 
     /// The meaning of the word.
@@ -80,26 +90,33 @@ impl Verdict {
         self.described()[1]
     }
 
-    /// The verdict from findings on a claim of this kind. If several findings have one role, all
-    /// must agree. If unstated settings decide one of them, nothing is decided.
-    pub fn of(kind: ClaimKind, findings: &[Finding]) -> Verdict {
+    /// The verdict from findings on a claim of this kind, and the corrections of the corrected
+    /// ones. If several findings have one role, all must agree. What the settings of an estimator
+    /// say of one finding comes first.
+    pub fn of(kind: ClaimKind, findings: &[Finding], corrections: &[Correction]) -> Verdict {
         let with = |role: Role| {
             let evidence = move |one: &&Finding| one.reading.role() == role && one.is_evidence();
             findings.iter().filter(evidence)
         };
         let all_agree = |role| with(role).next().is_some() && with(role).all(|one| one.agrees);
+        let says = |what| findings.iter().any(|one| one.settings == what);
         let a_part_holds = || {
             let accurate = with(Role::Stated).chain(with(Role::Corrected));
             accurate.flat_map(Finding::parts).any(|holds| holds)
         };
         if kind == ClaimKind::Identity {
             Verdict::Identity
-        } else if findings.iter().any(|one| one.undetermined) {
+        } else if says(OverSettings::Excluded) {
+            Verdict::NotReproduced
+        } else if says(OverSettings::Undetermined) {
             Verdict::Undeterminable
         } else if all_agree(Role::Stated) {
             Verdict::Reproduced
         } else if all_agree(Role::Corrected) {
-            Verdict::WithCorrections
+            match corrections.contains(&Correction::ClippedNormalForce) {
+                true => Verdict::UnderAssumption,
+                false => Verdict::WithCorrections,
+            }
         } else if all_agree(Role::AsPrinted) {
             Verdict::AsPrintedOnly
         } else if matches!(kind, ClaimKind::Statement | ClaimKind::Curve) && a_part_holds() {
@@ -135,6 +152,9 @@ described! {
             one side; by the listing, from above)",
         /// dt/dx1 in Eq. (15).
         ReleaseSlope = "Eq. (15): dt/dx1 is 1/x2 (printed 1/f2)",
+        /// The step of Eq. (15).
+        ReleaseStep = "Sect. 3: the step at a tangent point is h2 = x1,0 − x1^(i), from the state \
+            before the step that is repeated (printed x1,0 − x1^(i+1))",
     }
 }
 
@@ -160,7 +180,7 @@ mod tests {
     use crate::paper::reading::Reading::{self, *};
 
     fn of(id: ClaimId, findings: &[Finding]) -> Verdict {
-        Verdict::of(Claims::committed().unwrap().of(id).kind, findings)
+        Verdict::of(Claims::committed().unwrap().of(id).kind, findings, &[])
     }
 
     const LENGTH: ClaimId = ClaimId::Fig08StickLength1;
@@ -173,9 +193,9 @@ mod tests {
     }
 
     /// A value that depends on settings, beside one that does not.
-    fn undetermined(value: f64) -> Verdict {
+    fn over(settings: OverSettings, value: f64) -> Verdict {
         let moved = Finding {
-            undetermined: true,
+            settings,
             ..number(CorrectedData, value)
         };
         of(LENGTH, &[number(CorrectedEquations, value), moved])
@@ -206,6 +226,14 @@ mod tests {
                 Verdict::WithCorrections,
             ),
             (
+                Verdict::of(
+                    ClaimKind::Value,
+                    &[number(Corrected, right)],
+                    &[Correction::ClippedNormalForce],
+                ),
+                Verdict::UnderAssumption,
+            ),
+            (
                 numbers(&[(Exact, wrong), (AsPrinted, right)]),
                 Verdict::AsPrintedOnly,
             ),
@@ -214,14 +242,25 @@ mod tests {
                 numbers(&[(Exact, wrong), (AsPrinted, wrong)]),
                 Verdict::NotReproduced,
             ),
-            (undetermined(right), Verdict::Undeterminable),
+            (
+                over(OverSettings::Undetermined, right),
+                Verdict::Undeterminable,
+            ),
         ];
         for (found, wanted) in cases {
             assert_eq!(found, wanted);
         }
         assert_eq!(cases.map(|(_, wanted)| wanted), Verdict::COUNTED);
         // A setting that gives the digits decides as little as one that does not.
-        assert_eq!(undetermined(wrong), Verdict::Undeterminable);
+        for (settings, verdict) in [
+            (OverSettings::Undetermined, Verdict::Undeterminable),
+            (OverSettings::Excluded, Verdict::NotReproduced),
+        ] {
+            assert_eq!(
+                [right, wrong].map(|value| over(settings, value)),
+                [verdict; 2]
+            );
+        }
     }
 
     #[test]

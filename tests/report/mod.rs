@@ -2,7 +2,6 @@
 //! committed ones.
 
 mod block_and_bracket;
-mod browser;
 mod cause;
 mod page;
 
@@ -14,7 +13,7 @@ use std::sync::{LazyLock, Mutex};
 use crate::common::assert_golden;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{Defect, Defects};
-use replication::paper::published::Claims;
+use replication::paper::published::{Claims, Digits, Group};
 use replication::paper::reading::Role;
 use replication::report::cli::{Arguments, run};
 use replication::report::finding::Finding;
@@ -70,7 +69,7 @@ fn every_claim_has_a_verdict_that_follows_from_its_findings() {
             assert_eq!(claim, &entry.claim);
             assert_eq!(
                 entry.verdict,
-                Verdict::of(claim.kind, &entry.findings),
+                Verdict::of(claim.kind, &entry.findings, &entry.corrections),
                 "{id}"
             );
             let lines = entry.lines();
@@ -82,7 +81,8 @@ fn every_claim_has_a_verdict_that_follows_from_its_findings() {
             let corrected = |one: &Finding| one.reading.role() == Role::Corrected;
             let corrected = entry.findings.iter().any(corrected);
             assert_eq!(!entry.corrections.is_empty(), corrected, "{id}");
-            assert_eq!(entry.exponent.is_some(), id.exponent().is_some(), "{id}");
+            let is_exponent = claim.group == Group::Exponent;
+            assert_eq!(entry.exponent.is_some(), is_exponent, "{id}");
         }
         let total: usize = report.ledger.counts().iter().map(|(_, count)| count).sum();
         assert_eq!(total, report.ledger.counted());
@@ -121,8 +121,8 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             ClaimId::Fig04Visibility,
         ),
         (
-            "0;0.38490017945975051;-0.38490017945975051\",exact,1,critical mu0:",
-            "0;0.38490017946975051;-0.38490017945975051\",exact,1,critical mu0:",
+            "0;0.38490017945975051;-0.38490017945975051,exact,1,critical mu0:",
+            "0;0.38490017946975051;-0.38490017945975051,exact,1,critical mu0:",
             ClaimId::Eq13CriticalMu0,
         ),
         (
@@ -142,6 +142,156 @@ fn a_changed_digit_in_the_table_of_claims_changes_its_row() {
             let same = report.ledger.rejudged(Claims::committed().unwrap(), id);
             assert_eq!(same.verdict, entry.verdict, "{id}");
         }
+    });
+}
+
+/// The row of a claim as it would be judged if the paper had printed another number.
+fn verdict_of(ledger: &Ledger, id: ClaimId, published: f64) -> Verdict {
+    let text = include_str!("../../data/claims.csv");
+    let claim = Claims::committed().unwrap().of(id);
+    let Digits::Decimals(decimals) = claim.digits else {
+        panic!("{id} has no decimals");
+    };
+    let old = format!("\n{id},{},value,{},", claim.location, claim.published);
+    assert_eq!(text.matches(&old).count(), 1, "{old}");
+    let new = format!("\n{id},{},value,{published:.decimals$},", claim.location);
+    let claims = Claims::parse(&text.replace(&old, &new)).unwrap();
+    ledger.rejudged(&claims, id).verdict
+}
+
+/// Digits outside the range of the settings are not reproduced, digits inside are undeterminable;
+/// where no setting identifies an exponent, its sign decides.
+#[test]
+fn published_exponents_decide_their_verdicts() {
+    use Verdict::{NotReproduced, Undeterminable};
+    let [mut outside, mut inside, mut by_sign] = [const { Vec::new() }; 3];
+    with(|report| {
+        let ledger = &report.ledger;
+        for entry in ledger.entries.iter().filter(|one| one.exponent.is_some()) {
+            let (id, check) = (entry.claim.id, entry.exponent.unwrap());
+            let Some([least, largest]) = check.range.widened() else {
+                assert_eq!(entry.verdict, Undeterminable, "{id}");
+                assert_eq!(
+                    verdict_of(ledger, id, -check.published),
+                    NotReproduced,
+                    "{id}"
+                );
+                by_sign.push(id.name());
+                continue;
+            };
+            assert!(
+                check
+                    .range
+                    .errors
+                    .iter()
+                    .all(|one| *one > 0.0 && *one < 1.0),
+                "{check:?}"
+            );
+            let unit = if id == ClaimId::Fig12Ratio {
+                1e-3
+            } else {
+                1e-4
+            };
+            let middle = least.midpoint(largest);
+            assert_eq!(
+                verdict_of(ledger, id, middle),
+                Undeterminable,
+                "{id}: {middle}"
+            );
+            for beyond in [least - 2.0 * unit, largest + 2.0 * unit, 7.0] {
+                assert_eq!(
+                    verdict_of(ledger, id, beyond),
+                    NotReproduced,
+                    "{id}: {beyond}"
+                );
+            }
+            match entry.verdict {
+                NotReproduced => outside.push(id.name()),
+                _ => inside.push(id.name()),
+            }
+        }
+    });
+    assert_eq!(
+        outside,
+        [
+            "fig10.lambda.1",
+            "fig10.lambda.2",
+            "fig11.lambda.3",
+            "fig12.lambda.1",
+            "fig12.lambda_ratio"
+        ]
+    );
+    assert_eq!(
+        inside,
+        [
+            "fig11.lambda.1",
+            "fig11.lambda.2",
+            "fig12.lambda.2",
+            "fig12.lambda.3"
+        ]
+    );
+    assert_eq!(
+        by_sign,
+        [
+            "fig10.lambda.3",
+            "fig10.lambda.4",
+            "fig11.lambda.4",
+            "fig12.lambda.4"
+        ]
+    );
+}
+
+/// The estimates at the ends, made again for their standard errors, are those of the search.
+#[test]
+fn the_ends_of_the_ranges_are_made_again() {
+    with(|report| {
+        let spread = &report.ledger.spread;
+        assert!(spread.at_ends.len() > 10);
+        for ((figure, row), exponents) in &spread.at_ends {
+            let row = &spread.search.recommended[*row].0;
+            for (k, one) in exponents.iter().enumerate() {
+                let committed = row.exponents[*figure][k];
+                let off = (one.value - committed).abs();
+                assert!(
+                    off <= 1e-9 * committed.abs(),
+                    "{row:?}: {} {committed}",
+                    one.value
+                );
+                assert_eq!(one.status.word(), row.statuses[*figure][k]);
+            }
+        }
+    });
+}
+
+#[test]
+fn more_neighbours_than_components_are_not_enough() {
+    with(|report| {
+        for id in [ClaimId::S5Reconstruction, ClaimId::S5LargeEnough] {
+            let entry = report.ledger.entry(id);
+            assert_eq!(entry.verdict, Verdict::NotReproduced, "{id}");
+        }
+        // Some exponent is identified by some settings and not by others, all with twelve
+        // neighbours or more.
+        let check = report.ledger.entry(ClaimId::Fig11Lambda3).exponent.unwrap();
+        let identifying = check.range.identifying;
+        assert!(
+            (1..check.range.settings).contains(&identifying),
+            "{check:?}"
+        );
+    });
+}
+
+/// Of Fig. 10's caption: one loop from every start, and two only far from its numbers.
+#[test]
+fn fig_10_has_one_loop_from_every_start_and_two_far_away_only() {
+    with(|report| {
+        let loops = &report.ledger.statements.loops;
+        assert_eq!(loops.starts.0, loops.starts.1, "{loops:?}");
+        let far = |(_, factor): &(&str, f64)| (factor - 1.0).abs() > 0.15;
+        assert!(
+            !loops.nearest.is_empty() && loops.nearest.iter().all(far),
+            "{loops:?}"
+        );
     });
 }
 
@@ -176,7 +326,11 @@ fn all_misprints_are_borne_out() {
         let errata = &report.ledger.errata;
         assert!(errata.len() > Defect::ALL.len());
         for erratum in errata {
-            assert!(erratum.holds && !erratum.shown.is_empty(), "{erratum:?}");
+            let by_reading = erratum.by_reading.is_some();
+            assert!(
+                erratum.holds && erratum.shown.is_empty() == by_reading,
+                "{erratum:?}"
+            );
         }
     });
 }
@@ -245,9 +399,16 @@ fn golden(ledger: &Ledger) -> String {
         if let Some(exponent) = &entry.exponent {
             let (sign, agrees) = (exponent.sign, exponent.sign_agrees());
             writeln!(text, "  sign {sign} {agrees}").unwrap();
-            if let Some(range) = exponent.spread.values {
-                writeln!(text, "  from {:?} to {:?}", range.least, range.largest).unwrap();
+            for range in [exponent.range, exponent.linear] {
+                let (identifying, settings) = (range.identifying, range.settings);
+                write!(text, "  {identifying} of {settings}").unwrap();
+                if let Some([least, largest]) = range.ends {
+                    write!(text, " from {least:?} to {largest:?}").unwrap();
+                }
+                writeln!(text).unwrap();
             }
+            let [least, largest] = exponent.range.errors;
+            writeln!(text, "  errors {least:?} {largest:?}").unwrap();
         }
     }
     writeln!(

@@ -24,9 +24,9 @@ pub struct FigureSet {
     pub description: &'static str,
 }
 
-/// Description of the two figures whose block never leaves the belt.
-const PLANES_AND_EXPONENTS: &str = "The block's and the bracket's phase planes with the line of \
-    belt speed, and below them the running exponents beside the published ones.";
+/// Description of the two figures whose block leaves the belt.
+const WITH_LIFT: &str = "The block's and the bracket's phase planes with the line of belt speed and \
+    the region without contact, and below them the running exponents beside the published ones.";
 
 /// Figs. 10, 11 and 12.
 pub const SETS: [FigureSet; 3] = [
@@ -35,23 +35,22 @@ pub const SETS: [FigureSet; 3] = [
         caption: Caption::FIG10,
         shown: 40.0,
         title: "Fig. 10: periodic motion of the block and the bracket",
-        description: PLANES_AND_EXPONENTS,
+        description: WITH_LIFT,
     },
     FigureSet {
         figure: SpectrumFigure::Fig11,
         caption: Caption::FIG11,
         shown: 300.0,
         title: "Fig. 11: quasi-periodic motion of the block and the bracket",
-        description: PLANES_AND_EXPONENTS,
+        description: "The block's and the bracket's phase planes with the line of belt speed, and \
+            below them the running exponents beside the published ones.",
     },
     FigureSet {
         figure: SpectrumFigure::Fig12,
         caption: Caption::FIG12,
         shown: 300.0,
         title: "Fig. 12: chaotic motion of the block and the bracket",
-        description: "The block's and the bracket's phase planes with the line of belt speed and \
-            the region without contact, and below them the running exponents beside the published \
-            ones.",
+        description: WITH_LIFT,
     },
 ];
 
@@ -97,14 +96,22 @@ pub struct Data {
     pub from_data: DataSpectrum,
     /// The same with the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
-    /// Number of sampled states.
-    pub samples: usize,
+    /// The sampled states.
+    pub states: Vec<[f64; 4]>,
     /// The part of the orbit that is drawn.
     pub curve: Vec<[f64; 4]>,
     /// The section points: the block's turning points.
     pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
     pub literal: AsPrintedOutcome,
+}
+
+impl Data {
+    /// Fraction of the sampled states in which the block is off the belt.
+    pub fn lifted_share(&self) -> f64 {
+        let lifted = |x: &&[f64; 4]| self.model.unclipped_normal_force(x) < 0.0;
+        self.states.iter().filter(lifted).count() as f64 / self.states.len() as f64
+    }
 }
 
 /// Computes one of the three figures.
@@ -122,7 +129,7 @@ pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ProgramError> {
         exact,
         from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
         best_of_readings: data_spectrum(&series, &best_common_settings())?,
-        samples: samples.states.len(),
+        states: samples.states,
         curve: record.curve,
         section,
         literal: literal?,

@@ -278,9 +278,9 @@ fn table(data: &Data) -> Result<Table, ProgramError> {
         ("stick, % of time", none.clone(), stick),
         ("least *N*/*mg*, not clipped", none.clone(), force),
         (
-            "losses of contact",
+            "off the belt, % of time",
             none.clone(),
-            exact.contact_losses.to_string(),
+            number(100.0 * data.lifted_share(), 1),
         ),
         ("signs as printed", none.clone(), literal),
     ];

@@ -20,12 +20,13 @@ pub(super) fn numbers(data: &Data) -> Vec<Row> {
     let mut rows = by(Reading::CorrectedEquations).exponents(&data.exact);
     let from_data = by(Reading::CorrectedData);
     rows.extend(from_data.data_exponents(&data.from_data, equations));
-    rows.push(from_data.count("samples", data.samples));
+    rows.push(from_data.count("samples", data.states.len()));
     rows.extend(by(Reading::BestOfReadings).data_exponents(&data.best_of_readings, equations));
     if let AsPrintedOutcome::Bounded(measured) = &data.literal {
         rows.extend(by(Reading::AsPrintedEquations).exponents(measured));
     }
     rows.extend(by(Reading::Corrected).motion(&data.exact));
+    rows.push(by(Reading::Corrected).number("lifted_fraction", data.lifted_share(), "1"));
     let as_printed = by(Reading::AsPrinted);
     match &data.literal {
         AsPrintedOutcome::Diverges(t) => {

@@ -8,6 +8,7 @@ use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::pattern::Pattern;
 use crate::paper::reading::Reading;
+use crate::paper::slip_times_three::converged;
 use compute::compute;
 #[cfg(feature = "report")]
 pub(crate) use compute::starts;
@@ -37,6 +38,8 @@ fn numbers(data: &Data) -> Vec<Row> {
         (Reading::Exact, &data.exact.pattern),
     ] {
         rows.extend(stick_numbers(reading, pattern));
+        let sticks = pattern.pattern_sticks().count();
+        rows.push(Row::count(ClaimId::Fig08StickModes, reading, sticks));
         let deflections = pattern.deflections().len();
         rows.push(Row::count(ClaimId::Fig08Deflections, reading, deflections));
     }
@@ -51,7 +54,13 @@ fn numbers(data: &Data) -> Vec<Row> {
 fn stick_numbers(reading: Reading, pattern: &Pattern) -> Vec<Row> {
     let numbers = pattern.stick_numbers();
     let row = |(i, unit): (usize, &'static str)| match numbers {
-        Some(values) => Row::number(ClaimId::STICK_NUMBERS[i], reading, values[i], unit),
+        Some(values) => {
+            let value = match reading {
+                Reading::SlipTimesThree => converged(values[i]),
+                _ => values[i],
+            };
+            Row::number(ClaimId::STICK_NUMBERS[i], reading, value, unit)
+        }
         None => {
             let count = pattern.pattern_sticks().count();
             Row::word(
@@ -88,22 +97,16 @@ fn two_periodic(data: &Data) -> Vec<Row> {
 }
 
 fn as_printed(data: &Data) -> Vec<Row> {
-    let listing = &data.as_printed;
-    let sticks = listing.pattern.pattern_sticks().count();
     let outside = "fig08.stick_time_outside_zones";
-    vec![
-        Row::count("fig08.sticks_per_pattern", Reading::AsPrinted, sticks),
-        Row::number(outside, Reading::AsPrinted, listing.outside_zones, "1"),
-    ]
+    let value = data.as_printed.outside_zones;
+    vec![Row::number(outside, Reading::AsPrinted, value, "1")]
 }
 
 fn exact(data: &Data) -> Vec<Row> {
     let exact = &data.exact;
-    let sticks = exact.pattern.pattern_sticks().count();
     let number =
         |name: &str, value, unit| Row::number(format!("fig08.{name}"), Reading::Exact, value, unit);
     vec![
-        Row::count("fig08.sticks_per_period", Reading::Exact, sticks),
         number("slip_duration.below", exact.below, "s"),
         number("slip_duration.above", exact.above, "s"),
         number("crossing.left", exact.left, "m"),

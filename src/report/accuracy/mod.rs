@@ -10,6 +10,7 @@ pub use release::{Release, Releases};
 
 use arrival::Arrival;
 
+use super::evidence::LowerEnds;
 use super::finding::Finding;
 use crate::paper::listing::{Defect, Defects};
 use crate::paper::models::ForcedOscillator;
@@ -78,12 +79,32 @@ impl Accuracy {
         let Releases { belt, listing, .. } = &self.release;
         let with = "release by Eq. (15) with 1/x2";
         [
-            (Exact, "release by Eq. (15)", belt.literal_better()),
+            (Exact, "release by Eq. (15)", belt.as_printed()),
             (Corrected, with, &belt.corrected),
             (AsPrinted, "release by the listing", listing),
         ]
         .map(|(reading, what, of)| Finding::statement(reading, [(what, of.is_accurate())]))
         .to_vec()
+    }
+
+    /// `abstract.good_estimations`: arrival and release as Sect. 3 states them, and corrected; and
+    /// the releases that Sect. 3 does not test.
+    pub fn estimations(&self, lower_ends: LowerEnds) -> Vec<Finding> {
+        use Reading::{Corrected, Exact};
+        let at_rest = "release at a tangent point at rest";
+        let parts = |arrival: &[EventErrors; 2], release: &EventErrors| {
+            [
+                ("arrival on Σ", arrival.iter().all(EventErrors::is_accurate)),
+                (at_rest, release.is_accurate()),
+                lower_ends.part(),
+            ]
+        };
+        let belt = &self.release.belt;
+        let corrected = parts(&self.stated, &belt.corrected);
+        vec![
+            Finding::statement(Exact, parts(&self.text, belt.as_printed())),
+            Finding::statement(Corrected, corrected).with_note(lower_ends.sentence()),
+        ]
     }
 
     /// A line for every measurement of arrival.

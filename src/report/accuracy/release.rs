@@ -27,6 +27,11 @@ pub struct Release {
     pub literal: [EventErrors; 2],
     /// With `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
+    /// The step as printed, `h2 = x_k − x1^(i+1)`, from the state `i`: with the two fields, and with
+    /// `1/x2`.
+    pub printed_step: [EventErrors; 3],
+    /// The printed step from the state `i + 1`, with `1/x2`.
+    pub from_after: EventErrors,
 }
 
 /// Errors of the release times of both models.
@@ -104,27 +109,47 @@ fn release<S: Filippov<2>>(
     event: &Event,
     shift: impl Fn(f64, f64) -> f64,
 ) -> Result<Release, Error> {
-    // The step h2 from the state of the stick phase before the step that passes the point.
-    let with = |method, side, slope: &dyn Fn(&Timed<2>) -> f64| {
+    // The state i is the last of the stick phase, i + 1 the one that has passed the point. The step
+    // h2 is the distance of the point from one of them, and it is made from one of them.
+    type State2 = (bool, bool);
+    let with = |method, side, (to_next, from_next): State2, slope: &dyn Fn(&Timed<2>) -> f64| {
         EventErrors::measure(method, (side, event.t), |h, part| {
-            let at = event.before(part * h, belt_speed);
-            let target = event.x1 + shift(event.t, at.t + h);
+            let [before, after] =
+                [part * h, (part - 1.0) * h].map(|span| event.before(span, belt_speed));
+            let target = event.x1 + shift(event.t, before.t + h);
             let mut swapped = |at: &Timed<2>| Timed {
                 t: slope(at),
                 x: State::from([1.0, 0.0]),
             };
-            Ok(henon_step::<Rk4, 2>(&mut swapped, &at, target - at.x[0]).t)
+            let of = |next| if next { &after } else { &before };
+            let h2 = target - of(to_next).x[0];
+            Ok(henon_step::<Rk4, 2>(&mut swapped, of(from_next), h2).t)
         })
     };
-    let literal = |side| {
-        let what = "release by Eq. (15) as printed with the field";
+    let by_field = |what, side, states| {
         let slope = |at: &Timed<2>| 1.0 / system.field(side, at.t, at.x.as_ref())[1];
-        with(what, side, &slope)
+        with(what, side, states, &slope)
     };
-    let corrected = "release by Eq. (15) with 1/x2 to the side";
+    let by_velocity = |what, states| with(what, event.to, states, &|at| 1.0 / at.x[1]);
+    let literal = |side| {
+        let what = "release by Eq. (15) with x1^(i) in h2 and the field";
+        by_field(what, side, (false, false))
+    };
+    let printed = |side| {
+        let what = "release by Eq. (15) as printed, x1^(i+1) in h2, with the field";
+        by_field(what, side, (true, false))
+    };
+    let with_next = "release by Eq. (15) with 1/x2 and x1^(i+1) in h2 to the side";
+    let from_after = "the same repeated from the state i + 1 to the side";
     Ok(Release {
         literal: [literal(Side::Below)?, literal(Side::Above)?],
-        corrected: with(corrected, event.to, &|at| 1.0 / at.x[1])?,
+        corrected: by_velocity("release by Eq. (15) with 1/x2 to the side", (false, false))?,
+        printed_step: [
+            printed(Side::Below)?,
+            printed(Side::Above)?,
+            by_velocity(with_next, (true, false))?,
+        ],
+        from_after: by_velocity(from_after, (true, true))?,
     })
 }
 
@@ -215,25 +240,38 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     event.ok_or_else(|| not_found("a long stick phase that ends at an upper end", 0.0, span))
 }
 
+/// The one with the smaller error.
+fn better<'a>(one: &'a EventErrors, other: &'a EventErrors) -> &'a EventErrors {
+    match other.at_printed_step < one.at_printed_step {
+        true => other,
+        false => one,
+    }
+}
+
 impl Release {
-    /// Eq. (15) as printed, with the field that has the smaller error.
+    /// Eq. (15) with the printed slope, with the field that has the smaller error.
     pub fn literal_better(&self) -> &EventErrors {
         let [below, above] = &self.literal;
-        match above.at_printed_step < below.at_printed_step {
-            true => above,
-            false => below,
-        }
+        better(below, above)
+    }
+
+    /// The same with the printed step, too: Sect. 3 to the letter.
+    pub fn as_printed(&self) -> &EventErrors {
+        let [below, above, _] = &self.printed_step;
+        better(below, above)
     }
 
     /// All measurements.
     pub fn all(&self) -> impl Iterator<Item = &EventErrors> {
-        self.literal.iter().chain([&self.corrected])
+        let printed = self.literal.iter().chain(&self.printed_step);
+        printed.chain([&self.from_after, &self.corrected])
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paper::listing::PRINTED_STEP;
 
     #[test]
     fn only_the_corrected_step_is_accurate_and_only_where_points_stand_still() {
@@ -249,6 +287,10 @@ mod tests {
             found.belt.corrected
         );
         assert!(!found.forced.literal_better().is_accurate());
+        // With x1^(i+1) in h2, the step from the state i is released one whole step early.
+        let early = found.belt.printed_step[2].at_printed_step;
+        assert!((early - PRINTED_STEP).abs() < 1e-12, "{early}");
+        assert!(!found.belt.as_printed().is_accurate() && found.belt.from_after.is_exact());
         assert!(
             !found.forced.corrected.is_accurate(),
             "{:?}",

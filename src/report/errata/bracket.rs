@@ -1,5 +1,5 @@
-//! Misprints on model 3 with their effect on the motion: the signs of Eq. (27), the abstract, and
-//! the captions of Figs. 10–12.
+//! Misprints on model 3 with their effect on the motion: the signs of Eq. (27), and the captions of
+//! Figs. 10–12.
 
 use std::ops::ControlFlow;
 
@@ -12,7 +12,7 @@ use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use crate::report::spread::mended_captions;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
-use stickslip::{Error, Observer, Options, State, StepRecord, run, solve};
+use stickslip::{Error, Observer, Options, State, StepRecord, run};
 
 /// The section is recorded from the start of the published series to here: over a hundred
 /// oscillations.
@@ -36,7 +36,7 @@ impl Observer<4> for TransientAndSection<'_> {
 
 /// The motion of the equations in one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum MotionOutcome {
+pub enum MotionOutcome {
     /// A component exceeds the bound at this time.
     Diverges(f64),
     /// No component does; the largest component until [`START`].
@@ -74,7 +74,10 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
 }
 
 /// The same, decided by the section.
-fn by_section(caption: &Caption, reading: &Reading) -> Result<MotionOutcome, Error> {
+pub(in crate::report) fn by_section(
+    caption: &Caption,
+    reading: &Reading,
+) -> Result<MotionOutcome, Error> {
     outcome(caption, reading, SECTION_END)
 }
 
@@ -126,51 +129,6 @@ pub(super) fn signs() -> Result<Proof, Error> {
         all.push(corrected.proof_result(&format!("Fig. {figure}, corrected")));
     }
     Ok(Proof::new("signs", all, holds))
-}
-
-/// Time over which the states of model 3 are sampled: a hundred oscillations.
-const SAMPLED_TIME: f64 = 1000.0;
-/// Samples in that time: some thirty in an oscillation.
-const SAMPLES: u32 = 4000;
-/// A direction counts if the spread of the states along it exceeds this fraction of their largest
-/// spread. Less would show as a line in a phase plane.
-const SPREAD_FRACTION: f64 = 1e-2;
-
-/// Spreads (standard deviations) of the sampled states along their principal directions, the
-/// largest first.
-fn spreads(caption: &Caption) -> Result<[f64; 4], Error> {
-    let model = BlockAndBracket::from_caption(caption, &Reading::exact())?;
-    let options = Options::tol(TOLERANCE);
-    let orbit = solve(
-        &model,
-        0.0,
-        State::from(caption.start),
-        SAMPLED_TIME,
-        &options,
-    )?;
-    let times = (0..SAMPLES).map(|k| SAMPLED_TIME * f64::from(k) / f64::from(SAMPLES));
-    let states = orbit.sample(times)?;
-    let n = f64::from(SAMPLES);
-    let mean = states.iter().fold(State::<4>::zeros(), |sum, x| sum + x) / n;
-    let squares = states.iter().map(|x| (x - mean) * (x - mean).transpose());
-    let none = stickslip::nalgebra::SMatrix::<f64, 4, 4>::zeros();
-    let covariance = squares.fold(none, |sum, one| sum + one) / n;
-    let mut values: [f64; 4] = covariance.symmetric_eigenvalues().into();
-    values.sort_by(|one, other| other.total_cmp(one));
-    Ok(values.map(|value| value.max(0.0).sqrt()))
-}
-
-pub(super) fn four_states() -> Result<Proof, Error> {
-    let mut shown: Vec<Value> = Vec::new();
-    let mut holds = true;
-    for caption in Caption::ALL {
-        let spreads = spreads(&caption)?;
-        let is_one = |spread: &&f64| **spread > SPREAD_FRACTION * spreads[0];
-        let directions = spreads.iter().filter(is_one).count();
-        shown.extend([directions.into(), (spreads[3] / spreads[0]).into()]);
-        holds &= directions > 2;
-    }
-    Ok(Proof::new("four_states", shown, holds))
 }
 
 /// Values of static friction (mg), for the heading's order, which gives none.

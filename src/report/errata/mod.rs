@@ -1,5 +1,5 @@
-//! The paper's misprints. A computation shows each: a run of the solver or of the listing that
-//! could have contradicted it.
+//! The paper's misprints. A computation shows each, a run of the solver or of the listing that could
+//! have contradicted it, or the text alone does, which the table says: `by reading: …`.
 
 mod bracket;
 mod listing;
@@ -15,6 +15,8 @@ use super::matrix::Matrix;
 use crate::paper::listing::Defect;
 use crate::paper::published::Claims;
 use crate::terminal::ProgramError;
+pub use bracket::MotionOutcome;
+pub(super) use bracket::by_section;
 pub use proof::{Proof, ProofResult};
 
 /// A misprint or defect.
@@ -30,10 +32,14 @@ pub struct Erratum {
     pub correct: String,
     /// Results of the computation.
     pub shown: Vec<ProofResult>,
-    /// Whether they confirm the misprint.
+    /// What the text shows by itself, where no computation could.
+    pub by_reading: Option<String>,
+    /// Whether the computation confirms the misprint.
     pub holds: bool,
 }
 
+/// Begin of the last column for a misprint that the text alone shows.
+const BY_READING: &str = "by reading: ";
 const MISPRINTS: &str = include_str!("../../../data/errata.csv");
 
 /// All misprints, in the order of the paper, some from results computed elsewhere.
@@ -50,8 +56,8 @@ pub fn errata(
         sections_two_to_four::unit_of_mu0(),
         sections_two_to_four::critical_points(claims),
         sections_two_to_four::negative_friction(claims),
-        sections_two_to_four::wrong_reference(claims)?,
         sections_two_to_four::step_from_above(accuracy),
+        sections_two_to_four::release_step(accuracy),
         sections_two_to_four::time_in_stick(accuracy),
         sections_two_to_four::sign_of_friction()?,
         sections_two_to_four::spring_signs()?,
@@ -59,7 +65,6 @@ pub fn errata(
         bracket::signs()?,
         rig::friction_counted_twice()?,
         rig::unit_of_time()?,
-        bracket::four_states()?,
         bracket::order_of_captions()?,
         bracket::caption_of_fig10()?,
     ];
@@ -78,6 +83,19 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
         let row = row.map_err(|error| format!("data/errata.csv: {error}"))?;
         let cell = |k| row.get(k).unwrap_or_default().to_owned();
         let name = cell(0);
+        let erratum = |shown, by_reading, holds| Erratum {
+            name: cell(0),
+            location: cell(1),
+            printed: cell(2),
+            correct: cell(3),
+            shown,
+            by_reading,
+            holds,
+        };
+        if let Some(why) = cell(4).strip_prefix(BY_READING) {
+            all.push(erratum(Vec::new(), Some(why.to_owned()), true));
+            continue;
+        }
         let proof = proofs.remove(&*name);
         let proof = proof.ok_or_else(|| {
             format!("data/errata.csv: nothing in src/report/errata proves {name:?}")
@@ -96,14 +114,7 @@ fn misprints_with_proofs(table: &str, proofs: Vec<Proof>) -> Result<Vec<Erratum>
                 "data/errata.csv: {name:?} must have one label for each of its {values} values"
             ));
         }
-        all.push(Erratum {
-            name,
-            location: cell(1),
-            printed: cell(2),
-            correct: cell(3),
-            shown,
-            holds: proof.holds,
-        });
+        all.push(erratum(shown, None, proof.holds));
     }
     match proofs.keys().next() {
         Some(name) => Err(format!("data/errata.csv has no misprint {name:?}")),
@@ -128,6 +139,9 @@ mod tests {
             ("Eq. (1)", vec![ProofResult::new("c", 1.0, "m")])
         );
         assert!(of(&[]).is_err() && of(&["one", "two"]).is_err());
+        let read = "name,place,printed,correct,shown\none,Eq. (1),a,b,by reading: d\n";
+        let read = misprints_with_proofs(read, Vec::new()).unwrap().remove(0);
+        assert_eq!(read.by_reading.as_deref(), Some("d"));
         for values in [vec![], vec![1.0, 2.0]] {
             assert!(misprints_with_proofs(table, vec![Proof::new("one", values, true)]).is_err());
         }

@@ -14,7 +14,7 @@ use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
 use stickslip::system::Unchecked;
-use stickslip::{Ending, Error, Fate, Options, State, TransitionKind, fate, solve};
+use stickslip::{Ending, Error, Fate, State, fate};
 
 /// Positions between the outer tangent points that are tested for sticking. The results are ratios
 /// over the same positions, so their number does not matter.
@@ -97,31 +97,6 @@ pub(super) fn negative_friction(claims: &Claims) -> Proof {
     Proof::new("negative_friction", shown, holds)
 }
 
-/// Sect. 3 cites Eq. (12) as the system to be solved.
-pub(super) fn wrong_reference(claims: &Claims) -> Result<Proof, Error> {
-    /// Length of the orbits of Eq. (5) through each member of Eq. (12), off the belt's speed (s): a
-    /// few oscillations.
-    const SPAN: f64 = 30.0;
-    let points = claims.of(ClaimId::Eq12CriticalPoints).values();
-    let crossings = |belt_speed: f64| -> Result<usize, Error> {
-        let model = BeltOscillator {
-            belt_speed,
-            ..BeltOscillator::default()
-        };
-        points.iter().try_fold(0, |count, &x1| {
-            let start = State::from([x1, 0.5 * belt_speed]);
-            let orbit = solve(&model, 0.0, start, SPAN, &Options::tol(TOLERANCE))?;
-            let changes = orbit.transitions.iter();
-            let changes = changes.filter(|at| at.kind != TransitionKind::Touch);
-            Ok(count + changes.count())
-        })
-    };
-    let (printed, slower) = (crossings(1.0)?, crossings(0.3)?);
-    let holds = printed > 0 && printed != slower;
-    let shown = [points.len(), printed, slower];
-    Ok(Proof::new("wrong_reference", shown, holds))
-}
-
 pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     let [_, text] = &accuracy.text;
     let [_, stated] = &accuracy.stated;
@@ -129,6 +104,15 @@ pub(super) fn step_from_above(accuracy: &Accuracy) -> Proof {
     let holds = !text.is_accurate() && !listing.is_accurate() && stated.is_accurate();
     let shown = [text, listing, stated].map(|one| one.at_printed_step);
     Proof::new("step_from_above", shown, holds)
+}
+
+/// Sect. 3 takes the step from the position after the step that it repeats.
+pub(super) fn release_step(accuracy: &Accuracy) -> Proof {
+    let belt = &accuracy.release.belt;
+    let [.., printed] = &belt.printed_step;
+    let holds = !printed.is_accurate() && belt.from_after.is_exact() && belt.corrected.is_exact();
+    let shown = [printed, &belt.from_after, &belt.corrected].map(|one| one.at_printed_step);
+    Proof::new("release_step", shown, holds)
 }
 
 /// Eq. (15) takes an acceleration for a velocity. On the belt that acceleration vanishes where the

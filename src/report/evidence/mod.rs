@@ -6,7 +6,9 @@
 mod belt;
 mod beside_curves;
 mod fig08;
+mod loops;
 mod motions;
+mod procedure;
 mod sigma;
 mod stick_phases;
 mod sticks;
@@ -14,15 +16,20 @@ mod without_friction;
 mod zone_attraction;
 mod zones;
 
+pub use loops::Loops;
 pub use motions::{ByProcedure, Shape, Shapes};
+pub use procedure::LowerEnds;
 
 use super::errata::Proof;
 use super::figures::Computed;
 use super::finding::Finding;
+use crate::figures::block_and_bracket::Data;
+use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::Defects;
-use crate::paper::models::ForcedOscillator;
+use crate::paper::models::{Caption, ForcedOscillator};
 use crate::paper::published::Claims;
+use crate::paper::reading::Reading;
 use crate::paper::slip_times_three::{InjectedDefects, settled};
 use stick_phases::GridPhases;
 use stickslip::Error;
@@ -36,6 +43,10 @@ pub struct Statements {
     pub by_procedure: ByProcedure,
     /// Kinds of motion of Figs. 10, 11 and 12.
     pub shapes: Shapes,
+    /// Loops of Fig. 10's motion.
+    pub loops: Loops,
+    /// Releases that Sect. 3 does not test.
+    pub lower_ends: LowerEnds,
     /// Misprints of Sect. 4.2 that the same numbers show, in the order of the report.
     pub errata: Vec<Proof>,
 }
@@ -47,9 +58,9 @@ impl Statements {
     /// The solver's.
     pub fn compute(claims: &Claims, computed: &Computed) -> Result<Statements, Error> {
         use ClaimId::*;
-        let ((zone_attracts, grid), by_procedure) = rayon::join(
+        let ((zone_attracts, grid), (by_procedure, loops)) = rayon::join(
             || rayon::join(zone_attraction::attracts, || GridPhases::compute(claims)),
-            ByProcedure::compute,
+            || rayon::join(ByProcedure::compute, Loops::compute),
         );
         let (grid, by_procedure) = (grid?, by_procedure?);
         let model = ForcedOscillator::default();
@@ -57,13 +68,18 @@ impl Statements {
         let shapes = Shapes(computed.bracket.each_ref().map(Shape::of));
         let (arcs, regions) = fig08::arcs()?;
         let (start, start_erratum) = fig08::start(claims)?;
-        let (way, durations) = sticks::length_is_way(&grid, claims.published_stick_numbers());
+        let durations = sticks::durations(&grid, claims.published_stick_numbers());
         let drawn = &computed.fig07.oscillation;
         let by_appendix = fig08::found_by_appendix(claims, Defects::AS_PRINTED);
         let findings = vec![
             (S2Sigma, sigma::of_belt()),
             (Eq19Sigma, sigma::of_forced()),
             (S2InnerPoints, belt::inner_points()?),
+            (Fig04NoStick, belt::no_stick(&computed.fig04.cycle)?),
+            (S3Order, procedure::order_of_steps()),
+            (S4ListingParameters, procedure::listing_parameters()),
+            (S5OneRig, procedure::one_rig(&Caption::ALL)),
+            (Fig12Ratio, ratio(claims, &computed.bracket[2])),
             (
                 Fig07bOscillation,
                 beside_curves::beside_curves(&model, drawn)?,
@@ -77,7 +93,6 @@ impl Statements {
                 sticks::until_tangent(&grid, settled_sticks()?),
             ),
             (Fig08ExitAtVisible, sticks::exit_at_visible(&grid)),
-            (S4LengthIsWay, way),
             (S4Arcs, arcs),
             (Fig08Start, start),
             (S4FoundByAppendix, by_appendix),
@@ -91,6 +106,8 @@ impl Statements {
             findings,
             by_procedure,
             shapes,
+            loops: loops?,
+            lower_ends: sticks::lower_ends(&grid),
             errata: vec![durations, start_erratum, regions, zone.direction()],
             at_rest: zone.at_rest,
         })
@@ -101,6 +118,22 @@ impl Statements {
         let entry = self.findings.iter().find(|(claim, _)| *claim == id);
         entry.map_or(&[], |(_, findings)| findings)
     }
+}
+
+/// `fig12.lambda_ratio`: λ1 : λ3 of Fig. 12, which does not depend on the unit of time.
+fn ratio(claims: &Claims, data: &Data) -> Vec<Finding> {
+    let id = ClaimId::Fig12Ratio;
+    let equations = &data.exact.spectrum.exponents;
+    let sampled = &data.from_data.exponents;
+    let rows = [
+        (
+            Reading::CorrectedEquations,
+            equations[0].value() / equations[2].value(),
+        ),
+        (Reading::CorrectedData, sampled[0].value / sampled[2].value),
+    ];
+    let rows = rows.map(|(reading, value)| Row::number(id, reading, value, "1"));
+    Finding::of_rows(claims, claims.of(id), "report", &rows)
 }
 
 /// Number of stick phases of the motion on which the stated model settles from the start of Fig. 8.

@@ -1,10 +1,11 @@
 //! The paper's statements on stick phases, tested on a grid of starts against the set (24) of
 //! tangent points.
 
+use super::procedure::LowerEnds;
 use super::stick_phases::{GridPhases, ModelPhase, SAMPLES_PER_PERIOD, TangentSet, starts};
 use crate::figures::rows::Value;
 use crate::numbers::{ROUNDING, largest};
-use crate::paper::listing::{Defects, Instant, Setup, Stick, StickPhase, ZoneEnd, run};
+use crate::paper::listing::{Instant, Stick, StickPhase, ZoneEnd};
 use crate::paper::models::ForcedOscillator;
 use crate::paper::published::HALF_DIGIT;
 use crate::paper::reading::Reading::Exact;
@@ -228,7 +229,7 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     let (phases, passing) = (model.phases, model.passing);
     let distance = small(model.largest_distance);
     let line = format!(
-        "judged by Fig. 8's motion, of which the sentence speaks. From its start the stated model \
+        "the paragraph of Sect. 4.2 speaks of Fig. 8's motion. From its start the stated model \
          settles on {sticks_of_fig08} stick phases. Of the listing's, {} pass a tangent point \
          before they end, and the body is outside all zones for {} of its time in stick. Over the \
          first ten forcing periods from {starts} starts, without phases of at most ten steps, it \
@@ -241,9 +242,8 @@ pub(super) fn until_tangent(grid: &GridPhases, sticks_of_fig08: usize) -> Vec<Fi
     vec![statement(Exact, parts, line), as_printed(printed)]
 }
 
-/// `s4.length_is_way`: durations minus lengths over the belt's speed (s), and the misprint that
-/// follows.
-pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Finding>, Proof) {
+/// The misprint of Sect. 4.2: durations minus lengths over the belt's speed (s).
+pub(super) fn durations(grid: &GridPhases, published: [f64; 4]) -> Proof {
     let belt = ForcedOscillator::default().belt_speed;
     let excess = |four: [f64; 4]| [four[2] - four[0] / belt, four[3] - four[1] / belt];
     let published = excess(published);
@@ -252,34 +252,22 @@ pub(super) fn length_is_way(grid: &GridPhases, published: [f64; 4]) -> (Vec<Find
     let rounding = HALF_DIGIT + HALF_DIGIT / belt;
     let off = |stick: Stick| (stick.duration() - stick.length() / belt).abs();
     let of_model = largest(grid.model.iter().map(|phase| off(phase.stick)));
-    // Without its defects the program corrects the clock at the end of a stick phase.
-    let mended = run(&Setup::with(Defects::MENDED)).phases;
-    let of_mended = largest(mended.iter().map(|phase| off(phase.stick)));
-    let within = |excess: [f64; 2]| excess.iter().all(|one| one.abs() <= rounding);
-    let what =
-        "the published lengths are vp times the published durations, within rounding of print";
-    let parts = [(what, within(published))];
-    let what = "the lengths of the program's settled stick phases are vp times their durations";
-    let printed = [(what, within(listing))];
-    let both = |[one, other]: [f64; 2]| format!("{:.2} and {:.2} ms", 1e3 * one, 1e3 * other);
-    let (of_published, of_listing, allowed) = (both(published), both(listing), 1e3 * rounding);
-    let (sticks, most, phases) = (grid.model.len(), small(of_model), mended.len());
-    let of_mended = small(of_mended);
-    let line = format!(
-        "duration minus length/vp: {of_published} as published, {of_listing} by the program, where \
-         rounding of print explains {allowed:.2} ms; at most {of_mended} s in the {phases} stick \
-         phases of the program with its defects mended; in another reading, of the {sticks} stick \
-         phases of the stated model, at most {most} s"
-    );
+    let sticks = grid.model.len();
     let [first, second] = [0, 1].map(|k| [published[k], listing[k]]);
     let seconds = [first[0], first[1], second[0], second[1], rounding].map(Value::from);
     let shown = seconds.into_iter().chain([sticks.into(), of_model.into()]);
     let longer = published.iter().chain(&listing).all(|one| *one > rounding);
     let holds = longer && sticks > 0 && of_model <= ROUNDING;
-    (
-        vec![statement(Exact, parts, line), as_printed(printed)],
-        Proof::new("durations", shown, holds),
-    )
+    Proof::new("durations", shown, holds)
+}
+
+/// The stick phases of the stated model that end at a lower end.
+pub(super) fn lower_ends(grid: &GridPhases) -> LowerEnds {
+    let exits = Exits::of_model(&ForcedOscillator::default(), &grid.set, &grid.model);
+    LowerEnds {
+        missed: exits.count_at_invisible(),
+        all: exits.all(),
+    }
 }
 
 #[cfg(test)]
@@ -382,10 +370,8 @@ mod tests {
     #[test]
     fn lengths_of_another_belt_would_be_its_way() {
         let grid = GridPhases::compute(claims()).unwrap();
-        let (found, misprint) = length_is_way(&grid, claims().published_stick_numbers());
-        assert!(!found[0].agrees && !found[1].agrees && misprint.holds);
+        assert!(durations(&grid, claims().published_stick_numbers()).holds);
         let belt = ForcedOscillator::default().belt_speed;
-        let (found, misprint) = length_is_way(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]);
-        assert!(found[0].agrees && !misprint.holds);
+        assert!(!durations(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]).holds);
     }
 }

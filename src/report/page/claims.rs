@@ -1,4 +1,4 @@
-//! The table of claims, with its filter.
+//! The table of claims, with its filter, and how many there are of each kind.
 
 use maud::{Markup, html};
 
@@ -9,9 +9,9 @@ use super::super::ledger::{Entry, Ledger};
 use super::super::readme::formatted_values;
 use super::super::sentences::PARTS;
 use super::super::verdict::{Correction, Verdict};
-use super::parts::{columns, heading};
+use super::parts::{columns, function, heading, typeset};
 use crate::figures::rows::Value;
-use crate::paper::published::{ClaimKind, Digits};
+use crate::paper::published::{Claim, ClaimKind, Digits, Group};
 use crate::paper::reading::{Reading, Role};
 use crate::text::joined;
 
@@ -33,23 +33,28 @@ pub(super) fn counts(ledger: &Ledger) -> Markup {
     }
 }
 
-/// The number of claims with each verdict, for each part of the paper.
-fn by_part(ledger: &Ledger) -> Markup {
-    let counted = |part: &str, verdict: Verdict| {
-        let of = |entry: &&Entry| entry.claim.part == part && entry.verdict == verdict;
+/// The number of claims with each verdict: for each group, or for each part of the paper.
+fn by<'a, K: Copy>(
+    ledger: &Ledger,
+    title: &str,
+    rows: impl IntoIterator<Item = (K, &'a str)>,
+    is_of: fn(&Claim, K) -> bool,
+) -> Markup {
+    let counted = |key: K, verdict: Verdict| {
+        let of = |entry: &&Entry| is_of(&entry.claim, key) && entry.verdict == verdict;
         ledger.entries.iter().filter(of).count()
     };
     let headings = Verdict::COUNTED.map(|verdict| verdict.to_string());
     let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     html! {
-        div.scroll tabindex="0" role="region" aria-label="Claims by part" { table {
-            caption { "Claims by the part of the paper that makes them" }
-            (columns(&[&["Part"], &*headings].concat()))
+        div.scroll tabindex="0" role="region" aria-label=(title) { table {
+            caption { (title) }
+            (columns(&[&["Claims"], &*headings].concat()))
             tbody {
-                @for (part, name) in PARTS {
+                @for (key, name) in rows {
                     tr {
                         th scope="row" { (name) }
-                        @for verdict in Verdict::COUNTED { td.number { (counted(part, verdict)) } }
+                        @for verdict in Verdict::COUNTED { td.number { (counted(key, verdict)) } }
                     }
                 }
             }
@@ -61,6 +66,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
     let identities = ledger.entries.len() - ledger.counted();
     let filters = ledger.counts().into_iter();
     let filters = filters.chain([(Verdict::Identity, identities)]);
+    let groups = Group::ALL.map(|group| (group, group.meaning()));
     html! {
         section.claims aria-labelledby="claims" {
             (heading("claims"))
@@ -77,7 +83,7 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                     }
                 }
             }
-            table.sortable.cards {
+            table.list.cards {
                 caption {
                     "The claims of the paper, in its order; what is wrong in its formulas and \
                         captions is listed under the errata. The evidence is folded under each \
@@ -87,14 +93,20 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 }
                 (columns(&["Claim", "Published", "Found", "Verdict"]))
                 tbody {
-                    @for (index, entry) in ledger.entries.iter().enumerate() {
-                        (row(ledger, index, entry))
-                    }
+                    @for entry in &ledger.entries { (row(ledger, entry)) }
                 }
             }
-            (by_part(ledger))
+            (by(ledger, "Claims by kind", groups, |claim, group| claim.group == group))
+            (by(ledger, "Claims by the part of the paper that makes them", PARTS, |claim, part| {
+                claim.part == part
+            }))
             h3 #corrections { "Corrections" }
-            dl { @for one in Correction::ALL { dt { (one.label()) } dd { (one.description()) } } }
+            dl {
+                @for one in Correction::ALL {
+                    dt { (one.label()) }
+                    dd { (typeset(one.description())) }
+                }
+            }
             details {
                 summary { "What the readings are" }
                 dl {
@@ -117,22 +129,26 @@ pub(super) fn verdict_badge(verdict: Verdict) -> Markup {
     html! { span class={ "mark " (verdict.key()) } { (verdict) } }
 }
 
-fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
+fn row(ledger: &Ledger, entry: &Entry) -> Markup {
     let claim = &entry.claim;
     html! {
         tr class=(entry.verdict.key()) id={ "claim-" (claim.id) } {
-            th scope="row" data-key=(index) {
-                (claim.what)
+            th scope="row" {
+                (typeset(&claim.what))
                 " " span.soft { (claim.location) " · " code { (claim.id) } }
                 details {
                     summary { "evidence" }
-                    ul { @for line in entry.lines() { li { (line) } } }
+                    ul { @for line in entry.lines() { li { (typeset(&line)) } } }
                     @if entry.needs_cause() {
                         p { "Cause: " a href="#cause" { (ledger.cause.status()) } "." }
                     }
+                    p.soft {
+                        "judged by " (function(&claim.sources[0])) ", tested by "
+                        (function(&claim.sources[1]))
+                    }
                 }
             }
-            td data-column="Published" { (published(entry)) }
+            td data-column="Published" { (typeset(&published(entry))) }
             td data-column="Found" {
                 ul.found {
                     @for one in entry
@@ -141,17 +157,22 @@ fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
                         .filter(|one| one.reading.role() != Role::Supplementary)
                     {
                         li {
-                            (one.reading) ": " b { (value_quality(entry, one)) }
+                            (one.reading) ": " b { (typeset(&value_quality(entry, one))) }
                             @if one.by_construction { " by construction: no evidence" }
                         }
                     }
                 }
-                @if let Some(exponent) = &entry.exponent { p.soft { (sign_and_spread(exponent)) } }
+                @if let Some(exponent) = &entry.exponent {
+                    p.soft { (typeset(&sign_and_spread(claim, exponent))) }
+                }
             }
-            td data-column="Verdict" data-key=(entry.verdict as usize) {
+            td data-column="Verdict" {
                 (verdict_badge(entry.verdict))
                 @if !entry.corrections.is_empty()
-                    && matches!(entry.verdict, Verdict::WithCorrections | Verdict::InPart)
+                    && matches!(
+                        entry.verdict,
+                        Verdict::WithCorrections | Verdict::UnderAssumption | Verdict::InPart
+                    )
                 {
                     span.soft { " (" a href="#corrections" { (labels(&entry.corrections)) } ")" }
                 }
@@ -161,7 +182,7 @@ fn row(ledger: &Ledger, index: usize, entry: &Entry) -> Markup {
 }
 
 /// Short names of corrections.
-fn labels(corrections: &[Correction]) -> String {
+pub(super) fn labels(corrections: &[Correction]) -> String {
     joined(corrections.iter().map(|one| one.label()), ", ")
 }
 
@@ -188,9 +209,9 @@ fn published(entry: &Entry) -> String {
 }
 
 /// The sign and the spread of an exponent.
-fn sign_and_spread(exponent: &ExponentCheck) -> String {
+fn sign_and_spread(claim: &Claim, exponent: &ExponentCheck) -> String {
     let not = if exponent.sign_agrees() { "" } else { "not " };
-    let (sign, sentence) = (exponent.sign, exponent.sentence());
+    let (sign, sentence) = (exponent.sign, exponent.sentence(claim));
     format!("sign: {sign}, {not}as published; {sentence}")
 }
 

@@ -3,7 +3,7 @@
 use maud::{Markup, PreEscaped, html};
 
 use super::super::figures::Picture;
-use super::parts::{Report, heading};
+use super::parts::{Report, file, heading, typeset};
 
 /// Figures without computed content, and why.
 const DRAWINGS: &str = include_str!("../../../assets/report/drawings.html");
@@ -19,9 +19,10 @@ pub(super) fn opening(report: &Report) -> Markup {
             div id=(picture.figure) {
                 (figure(
                     picture,
-                    "Fig. 8. Left: the Appendix’s program, run to the letter. Right: the equations \
-                     it is meant to solve, with the same parameters. Only the text of the paper \
-                     was at hand: its pictures were not compared."
+                    "Fig. 8. Left: the Appendix’s program, run to the letter where it can be. Right: \
+                     the equations it is meant to solve, with the same parameters. One slip of \
+                     programming and one gap in the method make the difference. Only the text of the \
+                     paper was at hand: its pictures were not compared."
                 ))
             }
         }
@@ -33,8 +34,6 @@ pub(super) fn section(report: &Report) -> Markup {
     html! {
         section.figures aria-labelledby="figures" {
             (heading("figures"))
-            p.soft { "The numbers of each figure are in " code { "figures/figNN.csv" } " of the \
-                project." }
             @for picture in pictures.filter(|one| one.figure != OPENING) {
                 h3 id=(picture.figure) { (picture.title) }
                 (figure(picture, picture.about))
@@ -53,7 +52,22 @@ pub(super) fn figure(picture: &Picture, about: &str) -> Markup {
                 on a narrow screen" } {
                 (PreEscaped(&picture.svg))
             }
-            figcaption { (about) }
+            figcaption { (typeset(about)) " " (sources(picture)) }
         }
+    }
+}
+
+/// Links to the program, the table and the golden file of a figure. The report's own have the
+/// report's.
+fn sources(picture: &Picture) -> Markup {
+    let name = picture.figure;
+    let (program, golden) = match picture.rows.is_empty() {
+        true => ("report", "ledger"),
+        false => (name, name),
+    };
+    html! {
+        "(" (file(&format!("src/bin/{program}.rs"), "program")) ", "
+        (file(&format!("figures/{name}.csv"), "numbers")) ", "
+        (file(&format!("golden/{golden}.snap"), "golden")) ")"
     }
 }

@@ -8,8 +8,9 @@ use super::super::ledger::Ledger;
 use super::super::matrix::ComparedRun;
 use super::super::scan::{ParameterPoint, StartClass};
 use super::figures::figure;
-use super::parts::{Report, columns, heading};
+use super::parts::{Report, columns, heading, typeset};
 use crate::paper::claim_id::ClaimId;
+use crate::paper::listing::Defect;
 use crate::text::joined;
 
 /// Short headings of the four numbers.
@@ -43,6 +44,9 @@ pub(super) fn cause(report: &Report) -> Markup {
     html! {
         section aria-labelledby="cause" {
             (heading("cause"))
+            p { "Of the two faults, one is a slip of programming: a list is a reference. The other \
+                is in the method: Sect. 3 asks only whether the body has passed a tangent point \
+                upward, and the lower end of a moving zone may overtake it." }
             p { b { "The cause is " (ledger.cause.status()) "." } " Three conditions are tested, \
                 each of which could have failed." }
             table.cards {
@@ -69,9 +73,9 @@ pub(super) fn cause(report: &Report) -> Markup {
                 summary { "The defects, and the program with each alone and with each mended" }
                 dl {
                     @for erratum in &ledger.errata {
-                        @if let Some(lines) = erratum.location.strip_prefix("Listing, ") {
+                        @if Defect::ALL.iter().any(|defect| defect.name() == erratum.name) {
                             dt { code { (erratum.name) } }
-                            dd { (erratum.printed) " (" (lines) ")" }
+                            dd { (typeset(&erratum.printed)) " (" (erratum.location) ")" }
                         }
                     }
                 }
@@ -128,11 +132,11 @@ pub(super) fn existence(report: &Report) -> Markup {
     html! {
         section aria-labelledby="existence" {
             (heading("existence"))
-            p { (scan.sentence()) }
+            p { (typeset(&scan.sentence())) }
             @for (name, point) in &scan.variants {
-                p { "With " (name) ": " (counts(point)) "." }
+                p { "With " (typeset(name)) ": " (counts(point)) "." }
             }
-            p { (scan.chaos.sentence()) }
+            p { (typeset(&scan.chaos.sentence())) }
             (figure(&report.scan, report.scan.about))
         }
     }

@@ -1,21 +1,22 @@
-//! The report as one self-contained HTML page, including style, figures and a short script.
+//! The report as one self-contained HTML page, including style and figures. Its links to sources and
+//! tables lead to files of the project.
 
 mod claims;
 mod figures;
 mod injection;
 mod parts;
+mod readings;
 mod text;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::sentences::{dependent_verdicts, figs_10_to_12, sentences};
+use super::sentences::sentences;
 pub use parts::Report;
-use parts::{SECTIONS, heading};
+use parts::{SECTIONS, file};
 
 const STYLE: &str = include_str!("../../../assets/report/style.css");
-const SORT: &str = include_str!("../../../assets/report/sort.js");
 
-/// The page. All text is escaped; drawings, style and script are the project's own.
+/// The page. All text is escaped; drawings and style are the project's own.
 pub fn page(report: &Report) -> String {
     document(report).into_string()
 }
@@ -40,12 +41,19 @@ fn document(report: &Report) -> Markup {
                     p.soft {
                         "P. Olejnik, J. Awrejcewicz, "
                         cite { "Nonlinear Dynamics" }
-                        " 73 (2013) 723–736, doi 10.1007/s11071-013-0826-7."
+                        " 73 (2013) 723–736, "
+                        a href="https://doi.org/10.1007/s11071-013-0826-7" {
+                            "doi 10.1007/s11071-013-0826-7"
+                        }
+                        ". The authors were not contacted. Tables: "
+                        (file("report/claims.csv", "claims.csv")) ", "
+                        (file("data/errata.csv", "errata.csv")) ", "
+                        (file("golden/ledger.snap", "golden")) "; "
+                        (file("src/report/mod.rs", "code")) "."
                     }
                     @for sentence in sentences(report.ledger) { p.verdict { (sentence) } }
                     (figures::opening(report))
                     (claims::counts(report.ledger))
-                    p.soft { (dependent_verdicts(report.ledger)) }
                     nav aria-label="Sections" {
                         ol {
                             @for (anchor, heading) in SECTIONS {
@@ -58,10 +66,7 @@ fn document(report: &Report) -> Markup {
                     (claims::section(report.ledger))
                     (injection::cause(report))
                     (injection::existence(report))
-                    section aria-labelledby="readings" {
-                        (heading("readings"))
-                        p { (figs_10_to_12(report.ledger)) }
-                    }
+                    (readings::section(report.ledger))
                     (text::errata(report.ledger))
                     (figures::section(report))
                     (text::methods(report.ledger))
@@ -71,7 +76,6 @@ fn document(report: &Report) -> Markup {
                 footer { p { "MIT licence. Every number given as found on this page was computed \
                     by the run that wrote it, or comes from the committed search whose file and \
                     hash stand beside it." } }
-                script { (PreEscaped(SORT)) }
             }
         }
     }

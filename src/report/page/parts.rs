@@ -1,6 +1,6 @@
 //! Elements shared by the sections of the page.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 
 use super::super::figures::Picture;
 use super::super::ledger::Ledger;
@@ -34,7 +34,148 @@ pub(super) fn heading(anchor: &str) -> Markup {
     html! { h2 id=(anchor) { (section.map_or(anchor, |(_, heading)| heading)) } }
 }
 
+/// A link to a file of the project; the page stands in `report/`.
+pub(super) fn file(path: &str, label: &str) -> Markup {
+    html! { a href={ "../" (path) } { (label) } }
+}
+
+/// A link to the file of a function, written as `file::name`.
+pub(super) fn function(source: &str) -> Markup {
+    let (path, name) = source.split_once("::").unwrap_or((source, source));
+    file(path, name)
+}
+
+/// Symbols that are written in letters and digits: the letters, and what is set.
+const SYMBOLS: [(&str, &str); 20] = [
+    ("mu", "μ"),
+    ("xi", "ξ"),
+    ("sigma", "σ"),
+    ("delta", "δ"),
+    ("omega", "ω"),
+    ("lambda", "λ"),
+    ("μ", "μ"),
+    ("ξ", "ξ"),
+    ("λ", "λ"),
+    ("c", "c"),
+    ("f", "f"),
+    ("h", "h"),
+    ("k", "k"),
+    ("x", "x"),
+    ("z", "z"),
+    ("S", "S"),
+    // With a letter for an index.
+    ("vp", "v"),
+    ("nk", "n"),
+    ("ni", "n"),
+    ("x_k", "x"),
+];
+
+/// Text with symbols set as symbols: `mu0` with its index, `x1^3` with index and power.
+pub(super) fn typeset(text: &str) -> Markup {
+    let escape = |text: &str| html! { (text) }.into_string();
+    let (mut set, mut rest, mut before) = (String::new(), text, ' ');
+    while let Some(first) = rest.chars().next() {
+        let found = match before.is_alphanumeric() || "_.^\\".contains(before) {
+            true => None,
+            false => symbol(rest),
+        };
+        let length = match found {
+            Some((markup, length)) => {
+                set += &markup;
+                length
+            }
+            None => {
+                set += &escape(&rest[..first.len_utf8()]);
+                first.len_utf8()
+            }
+        };
+        before = rest[..length].chars().next_back().unwrap_or(' ');
+        rest = &rest[length..];
+    }
+    PreEscaped(set)
+}
+
+/// The symbol at the begin of a text, and its length there.
+fn symbol(text: &str) -> Option<(String, usize)> {
+    let end = |from: usize, is: fn(char) -> bool| {
+        let other = text[from..].find(|c| !is(c));
+        other.map_or(text.len(), |length| from + length)
+    };
+    let letters = match text.starts_with("x_k") {
+        true => 3,
+        false => end(0, char::is_alphabetic),
+    };
+    let (name, set) = SYMBOLS.iter().find(|(name, _)| *name == &text[..letters])?;
+    let digits = end(letters, |c| c.is_ascii_digit());
+    let mut length = digits;
+    let index = match *name {
+        "vp" | "nk" | "ni" | "x_k" => &name[name.len() - 1..],
+        _ if text[digits..].starts_with(",0") && digits > letters => {
+            length += 2;
+            &text[letters..length]
+        }
+        _ => &text[letters..digits],
+    };
+    // A single letter without an index is a word or set by the text itself.
+    if index.is_empty() && name == set {
+        return None;
+    }
+    let power = text[length..]
+        .strip_prefix('^')
+        .and_then(|power| match power.strip_prefix('(') {
+            Some(inner) => inner
+                .split_once(')')
+                .map(|(inner, _)| (format!("({inner})"), inner.len() + 3)),
+            None => {
+                let digits = power
+                    .find(|c: char| !c.is_ascii_digit())
+                    .unwrap_or(power.len());
+                (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
+            }
+        });
+    let power_length = power.as_ref().map_or(0, |(_, length)| *length);
+    if text[length + power_length..].starts_with(char::is_alphanumeric) {
+        return None;
+    }
+    let markup = html! {
+        i { (set) } @if !index.is_empty() { sub { (index) } }
+        @if let Some((power, _)) = &power { sup { (power) } }
+    };
+    Some((markup.into_string(), length + power_length))
+}
+
 /// The head of a table.
 pub(super) fn columns(names: &[&str]) -> Markup {
     html! { thead { tr { @for name in names { th scope="col" { (name) } } } } }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::typeset;
+
+    #[test]
+    fn symbols_are_set_and_words_are_not() {
+        for (text, expected) in [
+            ("mu0 <", "<i>μ</i><sub>0</sub> &lt;"),
+            (
+                "x1^3 − x1",
+                "<i>x</i><sub>1</sub><sup>3</sup> − <i>x</i><sub>1</sub>",
+            ),
+            (
+                "h2 = x1,0^(k)",
+                "<i>h</i><sub>2</sub> = <i>x</i><sub>1,0</sub><sup>(k)</sup>",
+            ),
+            (
+                "vp, nk > ni",
+                "<i>v</i><sub>p</sub>, <i>n</i><sub>k</sub> &gt; <i>n</i><sub>i</sub>",
+            ),
+            ("λ1 of sigma", "<i>λ</i><sub>1</sub> of <i>σ</i>"),
+            (
+                "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",
+                "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",
+            ),
+        ] {
+            assert_eq!(typeset(text).into_string(), expected, "{text}");
+        }
+    }
 }

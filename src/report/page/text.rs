@@ -4,7 +4,7 @@ use maud::{Markup, PreEscaped, html};
 
 use super::super::errata::ProofResult;
 use super::super::ledger::Ledger;
-use super::parts::{columns, heading};
+use super::parts::{columns, heading, typeset};
 use crate::figures::rows::Value;
 use stickslip::math;
 
@@ -12,20 +12,24 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
     html! {
         section.errata aria-labelledby="errata" {
             (heading("errata"))
-            p { "Misprints and errors of the paper, each with the computation that shows it." }
+            p { "Misprints and errors of the paper, each with the computation that shows it, or, \
+                where the text alone does, what is read there." }
             table.cards {
                 (columns(&["Place", "Printed", "Should read", "Shown by"]))
                 tbody {
                     @for erratum in &ledger.errata {
                         tr {
                             th scope="row" { (erratum.location) }
-                            td data-column="Printed" { (erratum.printed) }
-                            td data-column="Should read" { (erratum.correct) }
+                            td data-column="Printed" { (typeset(&erratum.printed)) }
+                            td data-column="Should read" { (typeset(&erratum.correct)) }
                             td data-column="Shown by" {
                                 ul.found {
                                     @for shown in &erratum.shown {
-                                        li { (shown.what) ": " b { (value(shown)) } }
+                                        li { (typeset(&shown.what)) ": " b { (value(shown)) } }
                                     }
+                                }
+                                @if let Some(why) = &erratum.by_reading {
+                                    p { "By reading: " (typeset(why)) }
                                 }
                                 @if !erratum.holds { p { "The computation does not confirm it." } }
                             }
