@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test bench-python docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings second-opinion diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test bench-python docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -42,6 +42,9 @@ readings: build-replication ## Search all readings of Figs. 10-12 anew into gold
 	$(CARGO) run $(REPLICATION) --release --bin readings -- --out target/readings
 	cp target/readings/readings.csv target/readings/readings.txt golden/
 	rm -r target/readings
+
+second-opinion: ## The main numbers once more in plain Python, compared with golden/; a quarter of a minute
+	$(PYTHON) second-opinion/second_opinion.py golden
 
 # The JSON output of a command is its golden. A sweep resumes from its blocks, so these are removed
 # first. The commands run in the folder of their output, so that no golden names a build folder.
