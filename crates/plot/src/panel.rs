@@ -10,6 +10,8 @@ use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};
+use super::polyline;
+use super::rich;
 use crate::error::PlotError;
 
 // Lengths, px. They are chosen by eye at the nominal size.
@@ -39,6 +41,19 @@ impl Axis {
             0.0
         }
     }
+}
+
+/// A curve of a figure as numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumericCurve {
+    /// Label of its panel, without brackets.
+    pub panel: String,
+    /// Its name, or its legend, without markup.
+    pub name: String,
+    /// Labels of the two axes, without markup.
+    pub axes: [String; 2],
+    /// Values on the two axes.
+    pub points: Vec<(f64, f64)>,
 }
 
 /// Axes, layers, legend, label.
@@ -87,6 +102,30 @@ impl Panel {
 
     fn entries(&self) -> Vec<Entry> {
         self.layers.iter().filter_map(|l| l.legend()).collect()
+    }
+
+    /// The curves with points whose absence moves a line by less than a fraction of the axes left
+    /// out.
+    pub(super) fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
+        let scale = (
+            1.0 / (self.x.max - self.x.min),
+            1.0 / (self.y.max - self.y.min),
+        );
+        let curves = self.layers.iter().filter_map(|layer| layer.curve());
+        let numbered = (1..).zip(curves);
+        let exported = numbered.map(|(number, (name, points)): (usize, _)| NumericCurve {
+            panel: self.label.trim_matches(['(', ')']).to_owned(),
+            name: match name {
+                "" => format!("curve {number}"),
+                _ => rich::plain(name),
+            },
+            axes: [&self.x, &self.y].map(|axis| rich::plain(&axis.label)),
+            points: polyline::simplify(points, scale, tolerance)
+                .into_iter()
+                .map(|(x, y)| ((self.x.value)(x), (self.y.value)(y)))
+                .collect(),
+        });
+        exported.collect()
     }
 
     fn heading(&self) -> String {
