@@ -9,6 +9,7 @@ mod listing;
 mod models;
 #[cfg(feature = "peers")]
 mod peers;
+mod properties;
 mod readings;
 mod report;
 #[cfg(feature = "peers")]

@@ -153,7 +153,7 @@ fn spreads(caption: &Caption) -> Result<[f64; 4], Error> {
     let n = f64::from(SAMPLES);
     let mean = states.iter().fold(State::<4>::zeros(), |sum, x| sum + x) / n;
     let squares = states.iter().map(|x| (x - mean) * (x - mean).transpose());
-    let none = stickslip::nalgebra::SMatrix::<f64, 4, 4>::zeros();
+    let none = nalgebra::SMatrix::<f64, 4, 4>::zeros();
     let covariance = squares.fold(none, |sum, one| sum + one) / n;
     let mut values: [f64; 4] = covariance.symmetric_eigenvalues().into();
     values.sort_by(|one, other| other.total_cmp(one));
