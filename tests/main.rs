@@ -1,6 +1,7 @@
 //! The tests of the replication, in one binary.
 
 mod block_and_bracket;
+mod captions;
 mod claims;
 mod cli;
 mod common;

@@ -288,7 +288,7 @@ impl Ledger {
             }
             ClaimId::Fig04NoStick => {
                 let figure = &self.computed.fig04;
-                let (sticking, all) = (figure.sticking, figure.orbits.len());
+                let (sticking, all) = (figure.sticking(), figure.orbits.len());
                 vec![format!(
                     "{sticking} of the {all} orbits drawn here stick to the belt before they \
                      settle; their starts are chosen, since the paper's are in its picture alone. \

@@ -115,7 +115,7 @@ impl Figure {
         Ok(svg)
     }
 
-    /// The curves of all panels as numbers. Points whose absence moves a line by less than a
+    /// The curves of all panels as numbers, as far as they lie inside. Points whose absence moves a line by less than a
     /// fraction `tolerance` of its axes are left out.
     pub fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
         let cells = self.rows.iter().flat_map(|(_, cells)| cells);
@@ -326,15 +326,16 @@ mod tests {
             .label("(b)")
             .with(Curve::new([(-2.0, 0.2), (-1.0, 0.4), (0.0, 0.6)]).legend("*λ*_1"))
             .with(Markers::new([(-2.0, 0.2)]))
-            .with(Curve::new([(-1.0, 0.5)]));
+            .with(Curve::new([(-1.0, 0.5), (-1.0, 1.5), (-1.0, 0.5)]));
         let figure = figure().row(1.0, panel);
-        let [line, point] = &figure.curves(1e-6)[..] else {
+        let [line, outside] = &figure.curves(1e-6)[..] else {
             panic!("two curves");
         };
         assert_eq!((&*line.panel, &*line.name), ("b", "λ1"));
         assert_eq!(line.axes, ["h1, s", "y, m"]);
-        assert_eq!(line.points, [(0.01, 0.2), (1.0, 0.6)]);
-        assert_eq!((&*point.name, point.points.len()), ("curve 2", 1));
+        assert_eq!(line.pieces, [[(0.01, 0.2), (1.0, 0.6)]]);
+        assert_eq!((&*outside.name, outside.pieces.len()), ("curve 2", 2));
+        assert_eq!(outside.pieces[0], [(0.1, 0.5), (0.1, 1.0)]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};
-use super::polyline;
+use super::polyline::{self, Bounds};
 use super::rich;
 use crate::error::PlotError;
 
@@ -52,8 +52,8 @@ pub struct NumericCurve {
     pub name: String,
     /// Labels of the two axes, without markup.
     pub axes: [String; 2],
-    /// Values on the two axes.
-    pub points: Vec<(f64, f64)>,
+    /// Values on the two axes, for each piece inside the panel.
+    pub pieces: Vec<Vec<(f64, f64)>>,
 }
 
 /// Axes, layers, legend, label.
@@ -104,13 +104,25 @@ impl Panel {
         self.layers.iter().filter_map(|l| l.legend()).collect()
     }
 
-    /// The curves with points whose absence moves a line by less than a fraction of the axes left
-    /// out.
+    /// The curves inside the axes, without points whose absence moves a line by less than a fraction
+    /// of the axes.
     pub(super) fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
+        let bounds = Bounds {
+            x: (self.x.min, self.x.max),
+            y: (self.y.min, self.y.max),
+        };
         let scale = (
             1.0 / (self.x.max - self.x.min),
             1.0 / (self.y.max - self.y.min),
         );
+        let values = |(x, y): (f64, f64)| ((self.x.value)(x), (self.y.value)(y));
+        let pieces = |points: &[(f64, f64)]| {
+            let pieces = polyline::clip_line(points, &bounds).into_iter();
+            let thinned = pieces.map(|piece| polyline::simplify(&piece, scale, tolerance));
+            thinned
+                .map(|piece| piece.into_iter().map(values).collect())
+                .collect()
+        };
         let curves = self.layers.iter().filter_map(|layer| layer.curve());
         let numbered = (1..).zip(curves);
         let exported = numbered.map(|(number, (name, points)): (usize, _)| NumericCurve {
@@ -120,10 +132,7 @@ impl Panel {
                 _ => rich::plain(name),
             },
             axes: [&self.x, &self.y].map(|axis| rich::plain(&axis.label)),
-            points: polyline::simplify(points, scale, tolerance)
-                .into_iter()
-                .map(|(x, y)| ((self.x.value)(x), (self.y.value)(y)))
-                .collect(),
+            pieces: pieces(points),
         });
         exported.collect()
     }
