@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions mutants archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -24,8 +24,9 @@ build-replication:
 $(FIGURES): build-figures
 	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin $@ -- --out-dir figures
 
-report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, README's verdicts
+report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, README's verdicts, provenance
 	$(CARGO) run $(REPLICATION) --release --bin report
+	archive/provenance.sh > target/provenance.json && mv target/provenance.json report/
 
 # All packages that are tested without Python. `cargo test` alone is the check of the replication.
 TESTED := --locked --workspace --exclude stickslip-python
@@ -39,6 +40,18 @@ golden: ## Rewrite golden/, figures/, report/ and README's verdicts on purpose
 
 readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
 	$(CARGO) run $(REPLICATION) --release --bin readings -- --out golden
+
+captions: build-figures ## Captions of Figs. 10-12 moved within their rounding: golden/captions.csv, some ten minutes
+	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin captions -- --out-dir golden
+
+mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
+	tests/mutants.sh
+
+archive: ## Sources, crates, figures, golden files and page in dist/, to be built without a network
+	CARGO=$(CARGO) archive/make.sh
+
+second-opinion: ## The main numbers once more in plain Python, compared with golden/; a quarter of a minute
+	$(PYTHON) second-opinion/second_opinion.py golden
 
 # The JSON output of a command is its golden. A sweep resumes from its blocks, so these are removed
 # first. The commands run in the folder of their output, so that no golden names a build folder.

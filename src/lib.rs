@@ -1,5 +1,6 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, claims and readings.
 
+pub mod captions;
 pub mod figures;
 mod numbers;
 mod orbit_records;

@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use indicatif::ProgressBar;
-#[cfg(feature = "report")]
 use indicatif::ProgressStyle;
 use output::Artifact;
 
@@ -72,7 +71,6 @@ pub(crate) fn spinner(message: String) -> ProgressBar {
 }
 
 /// A progress bar with a count, shown only in a terminal. `text` is an indicatif template.
-#[cfg(feature = "report")]
 pub(crate) fn bar(total: usize, text: &str) -> ProgressBar {
     let bar = ProgressBar::new(total as u64);
     match ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}}{text}")) {

@@ -36,7 +36,6 @@ pub(crate) fn joined<T: Display>(items: impl IntoIterator<Item = T>, between: &s
 }
 
 /// Each distinct item once, in order of first occurrence.
-#[cfg(feature = "report")]
 pub(crate) fn distinct<T: PartialEq>(items: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut all = Vec::new();
     for item in items {

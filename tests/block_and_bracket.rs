@@ -3,6 +3,7 @@
 
 use std::fmt::Write;
 
+use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use replication::paper::models::{
     Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
@@ -74,11 +75,12 @@ fn the_unloading_follows_from_the_stiffness() {
     // ξ6/μ0 and ξ4 - 1 are both k3/k2. In all three captions ξ3/ξ1 is m r²/J.
     for (caption, digits) in [(Caption::FIG11, 1e-3), (Caption::FIG12, 1e-3)] {
         let model = exact(&caption);
-        assert!((model.unloading - (model.bracket_stiffness - 1.0)).abs() < digits);
+        let ratio = model.bracket_stiffness - 1.0;
+        assert_abs_diff_eq!(model.unloading, ratio, epsilon = digits);
     }
     for caption in [Caption::FIG10, Caption::FIG11, Caption::FIG12] {
         let model = exact(&caption);
-        assert!((model.mobility / model.coupling - 2.588).abs() < 0.003);
+        assert_abs_diff_eq!(model.mobility / model.coupling, 2.588, epsilon = 0.003);
         assert_eq!(model.unloading_rate, 0.0);
     }
 }

@@ -7,6 +7,26 @@ use replication::paper::published::Claims;
 use replication::paper::reading::Role;
 use replication::report::verdict::Verdict;
 
+/// `report/datapackage.json` describes the columns of `report/claims.csv`, and `codemeta.json` the
+/// version.
+#[test]
+fn every_column_of_the_table_of_claims_is_described() {
+    let package: serde_json::Value =
+        serde_json::from_str(include_str!("../report/datapackage.json")).unwrap();
+    let fields = package["resources"][0]["schema"]["fields"]
+        .as_array()
+        .unwrap();
+    let described = fields.iter().map(|field| {
+        assert!(field["description"].as_str().unwrap().len() > 5, "{field}");
+        field["name"].as_str().unwrap()
+    });
+    let table = include_str!("../report/claims.csv");
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    assert_eq!(described.collect::<Vec<_>>(), header);
+    let meta: serde_json::Value = serde_json::from_str(include_str!("../codemeta.json")).unwrap();
+    assert_eq!(meta["version"], env!("CARGO_PKG_VERSION"));
+}
+
 #[test]
 fn every_claim_has_a_finding_that_decides() {
     with(|report| {

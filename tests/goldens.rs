@@ -19,14 +19,21 @@ const TOLERANCE: f64 = 1e-10;
 fn is_golden(table: &Picture) {
     let text = rows::golden(&table.rows, Claims::committed().unwrap());
     assert_golden(table.figure, text, TOLERANCE);
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("figures/{}.svg", table.figure));
-    let committed = std::fs::read_to_string(&path).unwrap();
-    // assert_eq would print both pictures.
-    assert!(
-        committed == table.svg,
-        "{} is not what the program draws now; run `make figures` and look at the difference",
-        path.display()
-    );
+    let name = table.figure;
+    for (file, computed) in [
+        (format!("figures/{name}.svg"), &table.svg),
+        (format!("figures/curves/{name}.csv"), &table.curves),
+    ] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(&file);
+        let committed = std::fs::read_to_string(&path).unwrap();
+        // assert_eq would print both files.
+        assert!(
+            committed == *computed,
+            "{file} is not what the program draws now; run `make figures` and look at the \
+             difference"
+        );
+        assert!(file.ends_with("svg") || computed.len() <= 100_000, "{file}");
+    }
 }
 
 macro_rules! figures {

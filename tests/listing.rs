@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use replication::paper::claim_id::ClaimId;
 use replication::paper::listing::{
@@ -51,7 +52,7 @@ fn after_a_tenth(defects: Defects, h: f64) -> [f64; 2] {
         "the comparison needs one smooth phase"
     );
     let last = phase[steps - 1];
-    assert!((last.t - 0.1).abs() < 1e-12, "{}", last.t);
+    assert_abs_diff_eq!(last.t, 0.1, epsilon = 1e-12);
     [last.x1, last.x2]
 }
 
@@ -180,7 +181,8 @@ fn length_and_duration_disagree_by_the_zero_time_correction() {
     let phases = run(&mended).phases;
     assert!(!phases.is_empty(), "there is nothing to compare");
     for phase in phases {
-        assert!((phase.stick.duration() - phase.stick.length() / 0.4).abs() < 1e-12);
+        let ridden = phase.stick.length() / 0.4;
+        assert_abs_diff_eq!(phase.stick.duration(), ridden, epsilon = 1e-12);
     }
 }
 

@@ -2,11 +2,13 @@
 
 mod bench;
 mod block_and_bracket;
+mod captions;
 mod claims;
 mod cli;
 mod common;
 mod goldens;
 mod listing;
 mod models;
+mod properties;
 mod readings;
 mod report;

@@ -1,5 +1,6 @@
 //! The models compared with mechanics: power, springs at rest, the limit of friction, other units.
 
+use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
@@ -144,14 +145,15 @@ proptest! {
 #[test]
 fn the_numbers_of_a_caption_fit_together() {
     let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
-    assert!((model.unloading - (model.bracket_stiffness - 1.0)).abs() < 1e-3);
+    let ratio = model.bracket_stiffness - 1.0;
+    assert_abs_diff_eq!(model.unloading, ratio, epsilon = 1e-3);
 }
 
 #[test]
 fn a_support_is_half_way_out_a_twelfth_of_its_period_on() {
     let forced = ForcedOscillator::default();
     let half = forced.support(forced.period() / 12.0);
-    assert!((half - 0.5 * forced.amplitude).abs() < 1e-15, "{half}");
+    assert_abs_diff_eq!(half, 0.5 * forced.amplitude, epsilon = 1e-15);
 }
 
 /// Bodies stick inside the zones and slip outside, and one field is tangent at each end. With
@@ -201,9 +203,9 @@ fn assert_zones<S: Filippov<2>>(
     }
     let ends = zones.iter().flat_map(|&(low, high)| [high, low]);
     for (end, point) in ends.zip(points) {
-        assert!((point.position - (end + support)).abs() < 1e-14);
+        assert_abs_diff_eq!(point.position, end + support, epsilon = 1e-14);
         let [_, across] = system.field(point.side, t, &[point.position, speed]);
-        assert!(across.abs() < 1e-13, "{across}");
+        assert_abs_diff_eq!(across, 0.0, epsilon = 1e-13);
         let [_, across] = system.field(point.side.opposite(), t, &[point.position, speed]);
         assert!(across.abs() > 0.3, "{across}");
     }
@@ -216,7 +218,7 @@ fn a_system_whose_parameters_are_not_asked_for_can_lose_contact() {
     assert!(r.checked().is_err());
     // The spring k3 lifts with 60 N; the weight is 16.7 N.
     let left = Unchecked(r).contact(0.0, &lifted).unwrap();
-    assert!((left - (1.7 * 9.81 - 60.0)).abs() < 1e-13);
+    assert_abs_diff_eq!(left, 1.7 * 9.81 - 60.0, epsilon = 1e-13);
 }
 
 /// What a set of parameters is refused for.

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use super::{FigureSpec, rows};
+use super::{FigureSpec, curves, rows};
 use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError};
 use output::Artifact;
@@ -56,7 +56,8 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
              {name}.svg  the figure\n  \
              {name}.csv  the numbers behind it: id,reading,value,published,unit,agrees\n\
              \x20            and status where rows have one\n  \
-             {name}.png  the figure again, with --png\n\n\
+             {name}.png  the figure again, with --png\n  \
+             curves/{name}.csv  the curves in it, with the axes of each panel\n\n\
              agrees: whether the value is the published one to its printed digits (a statement: \
              whether it holds).\n\
              NO in the table is false in the file. It is empty where the paper says nothing.\n\n\
@@ -81,18 +82,22 @@ pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, P
     let claims = Claims::committed()?;
     let data = figure.compute()?;
     let rows = (figure.numbers)(&data);
-    let svg = (figure.draw)(&data)?;
+    let picture = (figure.draw)(&data)?;
+    let svg = picture.render()?;
     let rendered = arguments.png.then(|| output::png(&svg)).transpose()?;
     let name = |extension| format!("{}.{extension}", figure.name);
     let mut artifacts = vec![
         Artifact::text(name("svg"), svg),
         Artifact::text(name("csv"), rows::csv(&rows, claims)),
     ];
+    let curves = [Artifact::text(name("csv"), curves::table(&picture))];
     artifacts.extend(rendered.map(|bytes| Artifact {
         name: name("png"),
         bytes,
     }));
-    let paths = terminal::write(&arguments.out_dir, &artifacts, "--out-dir")?;
+    let mut paths = terminal::write(&arguments.out_dir, &artifacts, "--out-dir")?;
+    let folder = arguments.out_dir.join("curves");
+    paths.extend(terminal::write(&folder, &curves, "--out-dir")?);
     Ok(format!(
         "{}\n\n{}\n{}",
         figure.title,

@@ -105,7 +105,7 @@ fn numbers(data: &Data) -> Vec<Row> {
     rows
 }
 
-fn draw(data: &Data) -> Result<String, ProgramError> {
+fn draw(data: &Data) -> Result<Figure, ProgramError> {
     let mut a = panel("(a)", "*δ* = 1 s/m");
     for (graph, (color, dash)) in data.by_mu0.iter().zip(LINES) {
         a.add(curve(graph, color, dash).legend(&format!("*μ*_0 = {}", graph.mu0)));
@@ -120,7 +120,7 @@ fn draw(data: &Data) -> Result<String, ProgramError> {
     for panel in [&mut a, &mut b] {
         // Drawn again on top: all graphs share the vertical part, where dashes of the others would
         // show.
-        panel.add(curve(paper, LINES[1].0, LINES[1].1));
+        panel.add(curve(paper, LINES[1].0, LINES[1].1).name("the paper's parameters"));
     }
     let title = "Friction force against relative velocity";
     let description = "Two panels with the friction force T between −0.5 and 0.5 N against the \
@@ -129,7 +129,7 @@ fn draw(data: &Data) -> Result<String, ProgramError> {
         values of μ0; larger μ0 stretches the curve. Panel b: μ0 = √3/9 and δ = 0.5, 1, 3; larger \
         δ makes it fall faster. Bold: the paper's parameters.";
     let figure = Figure::new(FIG06.name, (680.0, 310.0), title, description);
-    Ok(figure.columns(1.0, side_by_side(a, b)).render()?)
+    Ok(figure.columns(1.0, side_by_side(a, b)))
 }
 
 /// The paper's parameters are the bold solid line in the middle.

@@ -119,7 +119,7 @@ fn numbers(methods: &[LocatorMethod; 5]) -> Vec<Row> {
     rows
 }
 
-fn draw(methods: &[LocatorMethod; 5]) -> Result<String, ProgramError> {
+fn draw(methods: &[LocatorMethod; 5]) -> Result<Figure, ProgramError> {
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-3.05, 0.05)),
         Axis::decades("error of the event's time, s", (-14.8, 0.3)),
@@ -141,7 +141,7 @@ fn draw(methods: &[LocatorMethod; 5]) -> Result<String, ProgramError> {
         4, the dense output of order 7 and, steepest and lowest, the Hénon step of order 8, which \
         reaches rounding at a step of about a tenth.";
     let figure = Figure::new(LOCATOR.name, (560.0, 480.0), LOCATOR.title, description);
-    Ok(figure.row(1.0, panel).render()?)
+    Ok(figure.row(1.0, panel))
 }
 
 const LINE_STYLES: [(Color, Dash, Shape); 5] = [

@@ -2,6 +2,7 @@
 
 pub mod block_and_bracket;
 pub mod cli;
+pub(crate) mod curves;
 pub mod fig04;
 pub mod fig06;
 pub mod fig07;
@@ -11,7 +12,7 @@ pub mod rows;
 
 use crate::numbers::not_found;
 use crate::terminal::ProgramError;
-use plot::{Cell, Dash, GREY, Guide, Panel};
+use plot::{Cell, Dash, Figure, GREY, Guide, Panel};
 use rows::Row;
 use stickslip::filippov::normal_component;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
@@ -27,8 +28,8 @@ pub struct FigureSpec<D> {
     compute: fn() -> Result<D, ProgramError>,
     /// The numbers behind the figure.
     pub numbers: fn(&D) -> Vec<Row>,
-    /// The picture as SVG. It never computes.
-    pub draw: fn(&D) -> Result<String, ProgramError>,
+    /// The picture. It never computes.
+    pub draw: fn(&D) -> Result<Figure, ProgramError>,
 }
 
 impl<D> FigureSpec<D> {

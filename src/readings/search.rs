@@ -145,7 +145,10 @@ pub fn estimate(scaled: &Scaled, (unit, settings): &Setting) -> Vec<DataExponent
 mod tests {
     use super::*;
     use crate::readings::settings::everywhere;
+    use approx::relative_eq;
+    use rayon::prelude::*;
     use stickslip::math;
+    use stickslip::statistics::SplitMix;
 
     /// A torus with two incommensurate frequencies, one of them in columns of another scale.
     fn torus(scale: f64) -> Vec<[f64; 4]> {
@@ -175,6 +178,57 @@ mod tests {
             ..everywhere(1)
         };
         spectrum(&Scaled::of(rows).unwrap(), &(unit, data))
+    }
+
+    /// Three rows for each figure with exponents, chosen by a fixed seed. The shortest steps, twelve
+    /// million for each orbit, are left to `make readings`.
+    #[test]
+    fn rows_of_the_committed_table_come_out_again() {
+        let plan = Plan::full().unwrap();
+        let table = include_str!("../../golden/readings.csv");
+        let rows: Vec<ConfigurationRow> =
+            table.lines().filter_map(ConfigurationRow::parse).collect();
+        let mut random = SplitMix::new(61);
+        let mut chosen = Vec::new();
+        for figure in 0..3 {
+            let has = |row: &&ConfigurationRow| {
+                let exponents = row.exponents[figure];
+                exponents.iter().all(|v| v.is_finite()) && row.key[2] != "in-place h=0.001"
+            };
+            let rows: Vec<&ConfigurationRow> = rows.iter().filter(has).collect();
+            let mut draw = || rows[random.between(0.0, rows.len() as f64) as usize];
+            chosen.extend([draw(), draw(), draw()].map(|row| (figure, row)));
+        }
+        chosen
+            .into_par_iter()
+            .with_max_len(1)
+            .for_each(|(figure, row)| {
+                let group = plan.groups.iter().find(|group| group.has(row)).unwrap();
+                let place = plan::keys(&plan, group)
+                    .iter()
+                    .position(|key| *key == row.key);
+                let (_, setting) = &plan.settings_of(group)[place.unwrap()];
+                let outcome = follow(group, &Caption::ALL[figure], &plan);
+                let what = format!("Fig. {}, {:?}", figure + 10, row.key);
+                assert_eq!(outcome.verdict(), row.classes[figure], "{what}");
+                let Outcome::Bounded(motion) = outcome else {
+                    panic!("{what}");
+                };
+                let close = |found: f64, golden: f64| {
+                    let same = found.is_nan() && golden.is_nan();
+                    assert!(
+                        same || relative_eq!(found, golden, max_relative = 1e-10),
+                        "{what}"
+                    );
+                };
+                close(motion.amplitude, row.sizes[figure][0]);
+                close(motion.dimension, row.sizes[figure][1]);
+                let (values, statuses) = spectrum(&Scaled::of(&motion.series).unwrap(), setting);
+                assert_eq!(statuses, row.statuses[figure], "{what}");
+                for (found, golden) in values.into_iter().zip(row.exponents[figure]) {
+                    close(found, golden);
+                }
+            });
     }
 
     #[test]

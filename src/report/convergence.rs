@@ -173,11 +173,6 @@ impl Convergence {
         self.steps.iter().find(|at| at.h == PRINTED_STEP)
     }
 
-    /// The largest of the four bounds.
-    pub fn largest_bound(&self) -> f64 {
-        largest(self.approach.iter().map(|one| one.bound))
-    }
-
     /// Number of steps around the printed one that give the printed digits of all four numbers.
     pub fn steps_that_give_digits(&self) -> usize {
         self.around.iter().filter(|at| at.gives_digits()).count()

@@ -4,6 +4,7 @@ use super::convergence::{Convergence, NEIGHBOUR_RANGE, distances};
 use super::figures::Picture;
 use super::scan::{ParameterPoint, ParameterScan, Scan, StartClass};
 use crate::figures::side_by_side;
+use crate::numbers::largest;
 use crate::paper::listing::PRINTED_STEP;
 use crate::paper::published::LAST_DIGIT;
 use crate::text::joined;
@@ -15,24 +16,44 @@ fn about_convergence(data: &Convergence) -> String {
     let bounds = data.approach.iter().map(|one| format!("{:.1}", one.bound));
     let (all, good) = (data.around.len(), data.steps_that_give_digits());
     format!(
-        "Left: distance of the listing's two stick lengths and two stick durations from their \
-         limit against its step, both axes logarithmic; the points scatter below and along lines \
-         of slope one, the bounds {} times h, of which the largest is drawn; the printed step is \
-         left out of the bounds and marked, the steps around it are drawn smaller. Right: \
-         deviation from the published numbers, in units of their last printed digit, for {all} \
-         steps within {} per cent of the printed one; at {good} of them all four lie within half a \
-         unit.",
+        "Above: distance of the listing's two stick lengths (left) and two stick durations (right) \
+         from their limit against its step, all axes logarithmic; the points scatter below and \
+         along lines of slope one, the bounds {} times h, of which the larger of each pair is \
+         drawn; the printed step is left out of the bounds and marked, the steps around it are \
+         drawn smaller. Below: deviation from the published numbers, in units of their last \
+         printed digit, for {all} steps within {} per cent of the printed one; at {good} of them \
+         all four lie within half a unit.",
         joined(bounds, ", "),
         100.0 * NEIGHBOUR_RANGE
     )
 }
 
-/// Names, colours and markers of the four numbers.
-const NAMES: [(&str, Color, Shape); 4] = [
-    ("first stick length, m", BLUE, Shape::Circle),
-    ("second stick length, m", VERMILLION, Shape::Square),
-    ("first stick duration, s", GREEN, Shape::Up),
-    ("second stick duration, s", PURPLE, Shape::Down),
+/// Two of the four numbers that have one unit.
+struct NumberPair {
+    unit: &'static str,
+    /// Their names in the title.
+    title: &'static str,
+    /// Indices in the four numbers, with names, colours and markers.
+    members: [(usize, &'static str, Color, Shape); 2],
+}
+
+const PAIRS: [NumberPair; 2] = [
+    NumberPair {
+        unit: "m",
+        title: "stick lengths",
+        members: [
+            (0, "first length", BLUE, Shape::Circle),
+            (1, "second length", VERMILLION, Shape::Square),
+        ],
+    },
+    NumberPair {
+        unit: "s",
+        title: "stick durations",
+        members: [
+            (2, "first duration", GREEN, Shape::Up),
+            (3, "second duration", PURPLE, Shape::Down),
+        ],
+    },
 ];
 
 /// Draws the listing's convergence to its limit.
@@ -44,15 +65,25 @@ pub fn convergence(data: &Convergence, published: [f64; 4]) -> Result<Picture, P
         "convergence",
         "The listing as printed for smaller and smaller steps",
     );
-    let figure = Figure::new(name, (760.0, 430.0), title, &about_convergence(data));
-    let panels = side_by_side(approach(data), around(data, published));
+    let [lengths, durations] = PAIRS;
+    let above = side_by_side(
+        approach(data, &lengths, "(a)"),
+        approach(data, &durations, "(b)"),
+    );
+    let below = side_by_side(
+        around(data, &lengths, published, "(c)"),
+        around(data, &durations, published, "(d)"),
+    );
+    let figure = Figure::new(name, (760.0, 760.0), title, &about_convergence(data));
+    let figure = figure.columns(0.52, above).columns(0.48, below);
     Ok(Picture {
         figure: name,
         title,
-        about: "Left: the four numbers of Fig. 8 approach what the event-exact solver gives with \
-            the two defects that do not vanish with the step. Right: how far they are from the \
+        about: "Above: the four numbers of Fig. 8 approach what the event-exact solver gives with \
+            the two defects that do not vanish with the step. Below: how far they are from the \
             published ones at steps near the printed one, in units of the last printed digit.",
-        svg: figure.columns(1.0, panels).render()?,
+        svg: figure.render()?,
+        curves: String::new(),
         rows: Vec::new(),
     })
 }
@@ -62,52 +93,57 @@ fn log((h, error): (f64, f64)) -> (f64, f64) {
     (math::log10(h), math::log10(error))
 }
 
-fn approach(data: &Convergence) -> Panel {
+fn approach(data: &Convergence, pair: &NumberPair, label: &str) -> Panel {
     let mut panel = Panel::new(
         Axis::decades("step *h*, s", (-6.15, -2.85)),
-        Axis::decades("distance from the limit", (-7.0, -2.0)),
+        Axis::decades(
+            &format!("distance from the limit, {}", pair.unit),
+            (-7.0, -2.0),
+        ),
     )
-    .label("(a)")
-    .title("as printed, *h* → 0")
+    .label(label)
+    .title(&format!("{}, *h* → 0", pair.title))
     .legend(Legend::Below);
     let points = |steps, i| distances(steps, &data.limit, i).into_iter().map(log);
-    let largest = data.largest_bound();
+    let largest = largest(pair.members.iter().map(|one| data.approach[one.0].bound));
     let line = [-6.15, -2.85].map(|h: f64| (h, h + math::log10(largest)));
     let bound = Curve::new(line).color(GREY).dash(Dash::Dashed);
-    panel.add(bound.legend(&format!("the largest bound, {largest:.1} *h*")));
+    panel.add(bound.legend(&format!("larger bound, {largest:.1} *h*")));
     let printed = Guide::vertical(math::log10(PRINTED_STEP)).color(GREY);
-    panel.add(printed.width(0.6).legend("printed step, not in the fit"));
-    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
+    panel.add(printed.width(0.6).legend("printed step"));
+    for (i, name, color, shape) in pair.members {
         let markers = |steps| Markers::new(points(steps, i)).shape(shape).color(color);
         panel.add(markers(&data.steps).size(6.0).legend(name));
         panel.add(markers(&data.around).size(2.5));
     }
-    let small = format!("small: steps within {} % of it", 100.0 * NEIGHBOUR_RANGE);
+    let small = format!("small: within {} % of it", 100.0 * NEIGHBOUR_RANGE);
     panel.add(Markers::new([]).color(GREY).size(2.5).legend(&small));
     panel
 }
 
-fn around(data: &Convergence, published: [f64; 4]) -> Panel {
+fn around(data: &Convergence, pair: &NumberPair, published: [f64; 4], label: &str) -> Panel {
     let units = |at: &super::matrix::ComparedRun, i: usize| {
         let x = 100.0 * (at.h / PRINTED_STEP - 1.0);
         Some((x, (at.numbers?[i] - published[i]) / LAST_DIGIT))
     };
+    // All four numbers share the range.
     let of_step = |at| (0..4).filter_map(move |i| units(at, i));
     let all = data.around.iter().flat_map(of_step);
     let reach = all.fold(1.0, |reach: f64, (_, y)| reach.max(1.05 * y.abs()));
     let reach = reach.ceil();
+    let off = format!("off the published number, 10^{{−4}} {}", pair.unit);
     let mut panel = Panel::new(
         Axis::new("step against the printed one, %", -5.5, 5.5).step(1.0),
-        Axis::new("off the published number, 10^{−4}", -reach, reach),
+        Axis::new(&off, -reach, reach),
     )
-    .label("(b)")
-    .title("around *h* = 10^{−4} s")
+    .label(label)
+    .title(&format!("{} around *h* = 10^{{−4}} s", pair.title))
     .legend(Legend::Below);
     panel.add(Band::y(-0.5, 0.5).legend("rounds to the printed digits"));
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
     let printed = Guide::vertical(0.0).color(GREY).width(0.6);
     panel.add(printed.dash(Dash::Dashed));
-    for (i, (name, color, shape)) in NAMES.into_iter().enumerate() {
+    for (i, name, color, shape) in pair.members {
         let points: Vec<(f64, f64)> = data.around.iter().filter_map(|at| units(at, i)).collect();
         panel.add(Curve::new(points.iter().copied()).color(color).width(0.6));
         let markers = Markers::new(points).shape(shape).color(color);
@@ -191,6 +227,7 @@ pub fn scan(scan: &Scan) -> Result<Picture, PlotError> {
         about: "Each parameter of the stated model in turn from half to twice its printed value, \
             the others as printed; solved accurately from the same starts each.",
         svg: figure.row(1.0, panel).render()?,
+        curves: String::new(),
         rows: Vec::new(),
     })
 }

@@ -1,13 +1,13 @@
 //! The figures for the ledger: computed once, each with its table and its picture.
 
 use super::exponent::Sign;
-use crate::figures::FigureSpec;
 use crate::figures::block_and_bracket::{self, FIG10, FIG11, FIG12};
 use crate::figures::fig04::{self, FIG04};
 use crate::figures::fig06::FIG06;
 use crate::figures::fig07::{self, FIG07};
 use crate::figures::fig08::{self, FIG08};
 use crate::figures::rows::Row;
+use crate::figures::{FigureSpec, curves};
 use crate::terminal::ProgramError;
 
 /// A picture on the page, and the numbers behind it.
@@ -21,6 +21,8 @@ pub struct Picture {
     pub about: &'static str,
     /// The picture.
     pub svg: String,
+    /// The curves in it as CSV. Empty for the report's own pictures.
+    pub curves: String,
     /// Its rows. Empty for the report's own pictures, whose numbers are in the ledger.
     pub rows: Vec<Row>,
 }
@@ -48,11 +50,13 @@ impl Picture {
     /// # Errors
     /// A failure to draw.
     pub fn of<D>(figure: &FigureSpec<D>, data: &D) -> Result<Picture, ProgramError> {
+        let drawn = (figure.draw)(data)?;
         Ok(Picture {
             figure: figure.name,
             title: figure.title,
             about: figure.about,
-            svg: (figure.draw)(data)?,
+            svg: drawn.render()?,
+            curves: curves::table(&drawn),
             rows: (figure.numbers)(data),
         })
     }

@@ -278,7 +278,7 @@ impl Ledger {
             .computed
             .bracket
             .each_ref()
-            .map(|data| format!("{:.0} %", 100.0 * data.lifted_share()));
+            .map(|data| format!("{:.0} %", 100.0 * data.exact.lifted_fraction));
         format!(
             "under an added assumption: the normal force is clipped at zero, which the paper does \
              not say and which was chosen as the only one of the readings below that gives the \

@@ -5,6 +5,7 @@ use std::fmt::Display;
 use super::exponent::{ExponentCheck, SettingsRange};
 use super::ledger::{Entry, Ledger};
 use super::scan::StartClass;
+use crate::captions;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::published::Digits;
 use crate::paper::reading::Reading;
@@ -83,6 +84,28 @@ fn claim(ledger: &Ledger, entry: &Entry) -> Vec<(String, String)> {
     add(
         "within_widened",
         &text(&|one| one.within_range(claim).to_string()),
+    );
+    let budget = claim.id.exponent().map(|(figure, k)| {
+        let equations = &ledger.computed.bracket[figure as usize].exact.spectrum;
+        // A table that cannot be read has ended the figures already.
+        let captions = captions::committed().ok();
+        let over_captions = captions.and_then(|table| table.budget(figure as usize, k));
+        (equations.exponents[k].std_error(), over_captions)
+    });
+    let or_empty = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:?}"));
+    let over_captions = budget.and_then(|(_, over_captions)| over_captions);
+    add("statistical_error", &or_empty(budget.and_then(|one| one.0)));
+    add(
+        "least_over_captions",
+        &or_empty(over_captions.map(|one| one.least)),
+    );
+    add(
+        "largest_over_captions",
+        &or_empty(over_captions.map(|one| one.largest)),
+    );
+    add(
+        "solver_change",
+        &or_empty(over_captions.map(|one| one.solver)),
     );
     let cause = entry.needs_cause().then(|| ledger.cause.status());
     add("cause", &cause.unwrap_or_default());

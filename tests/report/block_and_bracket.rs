@@ -4,6 +4,7 @@
 //! Every check takes the figure's data, so that they are computed once.
 
 use super::with;
+use approx::assert_abs_diff_eq;
 use replication::figures::block_and_bracket::{Data, compare};
 use stickslip::analysis::motion::Class;
 use stickslip::analysis::{Exponent, periodic_orbit};
@@ -38,15 +39,6 @@ fn end_effects() -> f64 {
     math::ln(30.0) / 9000.0
 }
 
-#[track_caller]
-fn close(found: f64, wanted: f64, tolerance: f64) {
-    let off = (found - wanted).abs();
-    assert!(
-        off <= tolerance,
-        "{found} is {off:e} off {wanted}, allowed {tolerance:e}"
-    );
-}
-
 /// Common to all three: stick annihilates one direction, and the exponents add up to the mean
 /// divergence.
 fn spectrum_holds(data: &Data) {
@@ -61,7 +53,7 @@ pub fn periodic(data: &Data) {
     spectrum_holds(data);
     let (spectrum, evidence) = (&data.exact.spectrum, &data.exact.evidence);
     let period = evidence.return_time;
-    close(period, 8.51, 5e-3);
+    assert_abs_diff_eq!(period, 8.51, epsilon = 5e-3);
     // One stick phase per period, and all turning points at the same state.
     assert_eq!(spectrum.stick_entries as u64, (9000.0 / period) as u64);
     assert_eq!(evidence.distinct, 1);
@@ -74,21 +66,21 @@ pub fn periodic(data: &Data) {
     // Floquet multipliers from the turning point, which is off Σ.
     let cycle = periodic_orbit(&data.model, turn, period, &Options::tol(1e-12)).unwrap();
     let mut multipliers: Vec<f64> =
-        stickslip::nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
+        nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
             .complex_eigenvalues()
             .iter()
             .map(|m| math::hypot(m.re, m.im))
             .collect();
     multipliers.sort_by(|a, b| b.total_cmp(a));
-    close(multipliers[0], 1.0, 1e-8);
+    assert_abs_diff_eq!(multipliers[0], 1.0, epsilon = 1e-8);
     // A pair of equal moduli (complex), and the direction that stick annihilates.
-    close(multipliers[1], multipliers[2], 1e-8);
+    assert_abs_diff_eq!(multipliers[1], multipliers[2], epsilon = 1e-8);
     assert!(multipliers[3] < 1e-8);
     let pair = math::ln(multipliers[1]) / cycle.period;
-    close(pair, -0.0115, 5e-5);
-    close(spectrum.exponents[0].value(), 0.0, end_effects());
-    close(spectrum.exponents[1].value(), pair, end_effects());
-    close(spectrum.exponents[2].value(), pair, end_effects());
+    assert_abs_diff_eq!(pair, -0.0115, epsilon = 5e-5);
+    assert_abs_diff_eq!(spectrum.exponents[0].value(), 0.0, epsilon = end_effects());
+    assert_abs_diff_eq!(spectrum.exponents[1].value(), pair, epsilon = end_effects());
+    assert_abs_diff_eq!(spectrum.exponents[2].value(), pair, epsilon = end_effects());
 }
 
 /// Fig. 11: a torus that never loses contact.
@@ -99,9 +91,13 @@ pub fn quasi_periodic(data: &Data) {
     assert!((0.05..0.065).contains(&spectrum.stick_fraction));
     // Turning points fill a curve: hardly two of them coincide.
     assert!(evidence.distinct > evidence.returns / 2, "{evidence:?}");
-    close(spectrum.exponents[0].value(), 0.0, end_effects());
-    close(spectrum.exponents[1].value(), 0.0, end_effects());
-    close(spectrum.exponents[2].value(), -0.0079, end_effects());
+    assert_abs_diff_eq!(spectrum.exponents[0].value(), 0.0, epsilon = end_effects());
+    assert_abs_diff_eq!(spectrum.exponents[1].value(), 0.0, epsilon = end_effects());
+    assert_abs_diff_eq!(
+        spectrum.exponents[2].value(),
+        -0.0079,
+        epsilon = end_effects()
+    );
 }
 
 /// Fig. 12: one positive exponent, and contact is lost.
@@ -114,9 +110,13 @@ pub fn chaotic(data: &Data) {
     // Twenty standard errors from zero; eight are required.
     let error = first.std_error().unwrap();
     assert!(first.value() > 8.0 * error);
-    close(first.value(), 0.015, 4.0 * error);
-    close(second.value(), 0.0, 1e-3);
-    close(third.value(), -0.038, 4.0 * third.std_error().unwrap());
+    assert_abs_diff_eq!(first.value(), 0.015, epsilon = 4.0 * error);
+    assert_abs_diff_eq!(second.value(), 0.0, epsilon = 1e-3);
+    assert_abs_diff_eq!(
+        third.value(),
+        -0.038,
+        epsilon = 4.0 * third.std_error().unwrap()
+    );
 }
 
 /// An exponent with the status `ok` agrees with the equations within errors known independently.

@@ -12,6 +12,8 @@ pub struct Axis {
     ticks: Ticks,
     minor: usize,
     pub(super) numbered: bool,
+    /// The value at a place on the axis.
+    pub(super) value: fn(f64) -> f64,
 }
 
 #[derive(Clone, Debug)]
@@ -40,6 +42,7 @@ impl Axis {
             ticks: Ticks::Step(nice_step((max - min) / AUTO_INTERVALS)),
             minor: 1,
             numbered: true,
+            value: |place| place,
         }
     }
 
@@ -56,7 +59,8 @@ impl Axis {
         let powers = (first..=last).filter(|power| power % every == 0);
         let powers = powers.map(|power| power as f64);
         let ticks = powers.map(|power| (power, format!("10^{{{}}}", number(power, 0))));
-        Axis::new(label, low, high).ticks(ticks)
+        let axis = Axis::new(label, low, high).ticks(ticks);
+        axis.value(crate::math::exp10)
     }
 
     setters! {
@@ -70,6 +74,12 @@ impl Axis {
     pub fn ticks<S: Into<String>>(mut self, ticks: impl IntoIterator<Item = (f64, S)>) -> Self {
         let ticks = ticks.into_iter().map(|(v, text)| (v, text.into()));
         self.ticks = Ticks::At(ticks.collect());
+        self
+    }
+
+    /// The value at a place, for an axis that shows a function of it. Exported curves have values.
+    pub fn value(mut self, value: fn(f64) -> f64) -> Self {
+        self.value = value;
         self
     }
 

@@ -3,7 +3,7 @@
 use plotters::drawing::IntoDrawingArea;
 
 use super::canvas::Canvas;
-use super::panel::{Margins, Panel};
+use super::panel::{Margins, NumericCurve, Panel};
 use super::plot::Frame;
 use super::table::Table;
 use crate::error::PlotError;
@@ -113,6 +113,17 @@ impl Figure {
         page.present()?;
         drop(page);
         Ok(svg)
+    }
+
+    /// The curves of all panels as numbers, as far as they lie inside. Points whose absence moves a line by less than a
+    /// fraction `tolerance` of its axes are left out.
+    pub fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
+        let cells = self.rows.iter().flat_map(|(_, cells)| cells);
+        let panels = cells.filter_map(|(_, cell)| match cell {
+            Cell::Panel(panel) => Some(panel),
+            Cell::Table(_) => None,
+        });
+        panels.flat_map(|panel| panel.curves(tolerance)).collect()
     }
 
     /// Divides the page. Panels in a column get the same margins, so that their frames line up.
@@ -335,6 +346,25 @@ mod tests {
             .render()
             .unwrap();
         assert!(svg.contains(">0.4697<"));
+    }
+
+    #[test]
+    fn curves_are_exported_as_values_without_points_that_do_not_show() {
+        let x = Axis::decades("*h*_1, s", (-3.0, 0.0));
+        let panel = Panel::new(x, Axis::new("*y*, m", 0.0, 1.0))
+            .label("(b)")
+            .with(Curve::new([(-2.0, 0.2), (-1.0, 0.4), (0.0, 0.6)]).legend("*λ*_1"))
+            .with(Markers::new([(-2.0, 0.2)]))
+            .with(Curve::new([(-1.0, 0.5), (-1.0, 1.5), (-1.0, 0.5)]));
+        let figure = figure().row(1.0, panel);
+        let [line, outside] = &figure.curves(1e-6)[..] else {
+            panic!("two curves");
+        };
+        assert_eq!((&*line.panel, &*line.name), ("b", "λ1"));
+        assert_eq!(line.axes, ["h1, s", "y, m"]);
+        assert_eq!(line.pieces, [[(0.01, 0.2), (1.0, 0.6)]]);
+        assert_eq!((&*outside.name, outside.pieces.len()), ("curve 2", 2));
+        assert_eq!(outside.pieces[0], [(0.1, 0.5), (0.1, 1.0)]);
     }
 
     #[test]

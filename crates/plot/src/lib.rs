@@ -77,7 +77,7 @@ pub use layers::{Band, Cells, Curve, Dimension, Guide, Inset, Markers, Note, Pos
 pub use legend::Legend;
 pub use marks::Shape;
 pub use metrics::FACES;
-pub use panel::Panel;
+pub use panel::{NumericCurve, Panel};
 pub use pen::Dash;
 pub use table::Table;
 pub use trace::Trace;

@@ -12,3 +12,8 @@ pub(crate) fn log10(x: f64) -> f64 {
 pub(crate) fn power_of_ten(n: i32) -> f64 {
     format!("1e{n}").parse().unwrap_or(f64::NAN)
 }
+
+/// `10^x`.
+pub(crate) fn exp10(x: f64) -> f64 {
+    libm::exp10(x)
+}

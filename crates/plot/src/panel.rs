@@ -10,6 +10,8 @@ use super::marks::Words;
 use super::metrics;
 use super::pen::Pen;
 use super::plot::{Drawn, Frame, Page, Plot, Sheet};
+use super::polyline::{self, Bounds};
+use super::rich;
 use crate::error::PlotError;
 
 // Lengths, px. They are chosen by eye at the nominal size.
@@ -39,6 +41,19 @@ impl Axis {
             0.0
         }
     }
+}
+
+/// A curve of a figure as numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NumericCurve {
+    /// Label of its panel, without brackets.
+    pub panel: String,
+    /// Its name, or its legend, without markup.
+    pub name: String,
+    /// Labels of the two axes, without markup.
+    pub axes: [String; 2],
+    /// Values on the two axes, for each piece inside the panel.
+    pub pieces: Vec<Vec<(f64, f64)>>,
 }
 
 /// Axes, layers, legend, label.
@@ -87,6 +102,39 @@ impl Panel {
 
     fn entries(&self) -> Vec<Entry> {
         self.layers.iter().filter_map(|l| l.legend()).collect()
+    }
+
+    /// The curves inside the axes, without points whose absence moves a line by less than a fraction
+    /// of the axes.
+    pub(super) fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
+        let bounds = Bounds {
+            x: (self.x.min, self.x.max),
+            y: (self.y.min, self.y.max),
+        };
+        let scale = (
+            1.0 / (self.x.max - self.x.min),
+            1.0 / (self.y.max - self.y.min),
+        );
+        let values = |(x, y): (f64, f64)| ((self.x.value)(x), (self.y.value)(y));
+        let pieces = |points: &[(f64, f64)]| {
+            let pieces = polyline::clip_line(points, &bounds).into_iter();
+            let thinned = pieces.map(|piece| polyline::simplify(&piece, scale, tolerance));
+            thinned
+                .map(|piece| piece.into_iter().map(values).collect())
+                .collect()
+        };
+        let curves = self.layers.iter().filter_map(|layer| layer.curve());
+        let numbered = (1..).zip(curves);
+        let exported = numbered.map(|(number, (name, points)): (usize, _)| NumericCurve {
+            panel: self.label.trim_matches(['(', ')']).to_owned(),
+            name: match name {
+                "" => format!("curve {number}"),
+                _ => rich::plain(name),
+            },
+            axes: [&self.x, &self.y].map(|axis| rich::plain(&axis.label)),
+            pieces: pieces(points),
+        });
+        exported.collect()
     }
 
     fn heading(&self) -> String {

@@ -1,5 +1,6 @@
 //! The orbit, its spectra, and the outcome of the equations as printed.
 
+use super::numbers::by_size;
 use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
@@ -72,6 +73,8 @@ pub struct BoundedMotion {
     pub least_force: f64,
     /// Losses of contact.
     pub contact_losses: u64,
+    /// Fraction of the time without contact.
+    pub lifted_fraction: f64,
 }
 
 /// The equations as printed.
@@ -92,7 +95,7 @@ pub struct Data {
     pub model: BlockAndBracket,
     /// Its motion.
     pub exact: BoundedMotion,
-    /// Exponents from the sampled states.
+    /// Exponents from the sampled states, by size.
     pub from_data: DataSpectrum,
     /// The same with the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
@@ -104,14 +107,6 @@ pub struct Data {
     pub section: Vec<[f64; 4]>,
     /// The reading `as-printed`.
     pub literal: AsPrintedOutcome,
-}
-
-impl Data {
-    /// Fraction of the sampled states in which the block is off the belt.
-    pub fn lifted_share(&self) -> f64 {
-        let lifted = |x: &&[f64; 4]| self.model.unclipped_normal_force(x) < 0.0;
-        self.states.iter().filter(lifted).count() as f64 / self.states.len() as f64
-    }
 }
 
 /// Computes one of the three figures.
@@ -127,8 +122,8 @@ pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ProgramError> {
     Ok(Data {
         set,
         exact,
-        from_data: data_spectrum(&series, &DataSettings::sano_sawada())?,
-        best_of_readings: data_spectrum(&series, &best_common_settings())?,
+        from_data: by_size(data_spectrum(&series, &DataSettings::sano_sawada())?),
+        best_of_readings: by_size(data_spectrum(&series, &best_common_settings())?),
         states: samples.states,
         curve: record.curve,
         section,
@@ -196,6 +191,7 @@ fn measure<'a>(
         evidence,
         least_force: watch.least_force,
         contact_losses: watch.losses,
+        lifted_fraction: watch.lifted_time() / (END - START),
         spectrum,
     };
     Ok((measured, watch))

@@ -3,6 +3,7 @@
 use super::compute::{AsPrintedOutcome, Data};
 use super::numbers::{compare, quality};
 use super::recorder::{END, START};
+use crate::captions::{self, CaptionTable};
 use crate::figures::{belt_line, side_by_side};
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
@@ -21,11 +22,10 @@ const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];
 const MARGIN: f64 = 0.06;
 /// Running exponents before this fraction of the time still oscillate; they may leave the panel.
 const SETTLED_FRACTION: f64 = 0.12;
-/// Widths of the curves from data, px. They are broad under the curves from the equations, and each
-/// is narrower than the one it may cover.
-const DATA_WIDTHS: [f64; 4] = [6.0, 4.0, 3.0, 2.0];
-/// Neighbouring exponents may coincide; one of two is dashed and on top.
-const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Solid, Dash::Dashed];
+/// Width of the curves from data, px: broad and pale under the others.
+const DATA_WIDTH: f64 = 5.0;
+/// Widths of the curves from the equations, px. Each is narrower than the one it may cover.
+const EQUATION_WIDTHS: [f64; 4] = [2.0, 1.4, 0.9, 0.8];
 /// The axis of exponents is linear below this and logarithmic above.
 const LINEAR_RANGE: f64 = 1e-3;
 
@@ -43,13 +43,13 @@ fn description(data: &Data) -> String {
     )
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
-    let (set, size) = (data.set, (770.0, 800.0));
-    let below = vec![(0.9, running(data)?.into()), (1.1, table(data)?.into())];
+pub(super) fn draw(data: &Data) -> Result<Figure, ProgramError> {
+    let (set, size) = (data.set, (860.0, 830.0));
+    let below = vec![(0.8, running(data)?.into()), (1.2, table(data)?.into())];
     let figure = Figure::new(set.figure.name(), size, set.title, &description(data));
     let figure = figure.columns(0.47, side_by_side(block(data), bracket(data)));
     let figure = figure.columns(0.43, below).row(0.1, caption(&set.caption));
-    Ok(figure.render()?)
+    Ok(figure)
 }
 
 /// An interval that holds all values, with a margin.
@@ -85,7 +85,8 @@ fn block(data: &Data) -> Panel {
     let mut panel = plane("(a)", "block", axes, data);
     panel.add(belt_line(belt).legend("Σ: *x*_2 = *v*_p"));
     let points = curve().map(|x| (x[0], x[1]));
-    panel.add(Curve::new(points).color(BLUE).width(width(data)));
+    let orbit = Curve::new(points).color(BLUE).width(width(data));
+    panel.add(orbit.name("block"));
     if matches!(data.exact.class, Class::Periodic(_)) {
         let turning_points = data.section.iter().take(16).map(|x| (x[0], x[1]));
         panel.add(Markers::new(turning_points).open().legend("section point"));
@@ -108,7 +109,8 @@ fn bracket(data: &Data) -> Panel {
         panel.add(lifted.legend("no contact, *N* = 0"));
     }
     let points = curve().map(|x| (x[2], x[3]));
-    panel.add(Curve::new(points).color(VERMILLION).width(width(data)));
+    let orbit = Curve::new(points).color(VERMILLION).width(width(data));
+    panel.add(orbit.name("bracket"));
     panel
 }
 
@@ -132,6 +134,11 @@ fn caption(caption: &Caption) -> Table {
 /// An exponent on an axis that is linear near zero and logarithmic elsewhere.
 fn scaled(exponent: f64) -> f64 {
     math::log10(1.0 + exponent.abs() / LINEAR_RANGE).copysign(exponent)
+}
+
+/// The exponent at a place on that axis.
+fn unscaled(place: f64) -> f64 {
+    (LINEAR_RANGE * (math::pow(10.0, place.abs()) - 1.0)).copysign(place)
 }
 
 fn running(data: &Data) -> Result<Panel, ProgramError> {
@@ -158,33 +165,38 @@ fn running(data: &Data) -> Result<Panel, ProgramError> {
         .filter(|(at, _)| (low..=high).contains(at));
     let mut panel = Panel::new(
         Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
-        Axis::new("*λ*, running means", low, high).ticks(ticks),
+        Axis::new("*λ* (linear to 10^{−3}, then logarithmic)", low, high)
+            .ticks(ticks)
+            .value(unscaled),
     )
     .label("(c)")
-    .title(&format!("exponents{}", annihilated(data)))
+    .title(&format!("running exponents{}", annihilated(data)))
     .legend(Legend::Below);
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
-    // Broad and pale, under the equations' curves: where both agree, both remain visible.
+    // One style for each source, one colour for each exponent.
     for &i in &reliable {
         let points = by_data().map(|at| (at.t, scaled(at.exponents[i])));
-        let broad = Curve::new(points)
-            .color(COLOURS[i].pale())
-            .width(DATA_WIDTHS[i]);
-        panel.add(broad.legend(&format!("*λ*_{}, data", i + 1)));
+        let broad = Curve::new(points).color(COLOURS[i].pale());
+        panel.add(
+            broad
+                .width(DATA_WIDTH)
+                .legend(&format!("*λ*_{}, data", i + 1)),
+        );
     }
-    for (i, value) in published.into_iter().enumerate() {
-        let ends = [0.0, end].map(|t| (t, scaled(value)));
-        let line = Curve::new(ends).color(COLOURS[i]).dash(Dash::Dotted);
-        panel.add(line.width(1.2).legend(&format!("*λ*_{}, published", i + 1)));
-    }
-    // The dashed curves last, on top.
-    for i in [0, 2, 1, 3] {
+    for i in 0..4 {
         if data.exact.spectrum.exponents[i] == Exponent::Annihilated {
             continue;
         }
         let points = convergence().map(|at| (at.elapsed, scaled(at.exponents[i])));
-        let curve = Curve::new(points).color(COLOURS[i]).dash(DASHES[i]);
+        let curve = Curve::new(points)
+            .color(COLOURS[i])
+            .width(EQUATION_WIDTHS[i]);
         panel.add(curve.legend(&format!("*λ*_{}, equations", i + 1)));
+    }
+    for (i, value) in published.into_iter().enumerate() {
+        let ends = [0.0, end].map(|t| (t, scaled(value)));
+        let line = Curve::new(ends).color(COLOURS[i]).dash(Dash::Dotted);
+        panel.add(line.width(1.6).legend(&format!("*λ*_{}, published", i + 1)));
     }
     Ok(panel)
 }
@@ -209,19 +221,6 @@ fn four_decimals(value: f64) -> String {
     }
 }
 
-/// The indices of the exponents from data, by size; unidentified ones come last.
-fn by_size(data: &Data) -> Vec<usize> {
-    let exponents = &data.from_data.exponents;
-    let is_unidentified = |i: usize| exponents[i].status == Status::Unidentified;
-    let mut order: Vec<usize> = (0..exponents.len()).collect();
-    order.sort_by(|&one, &other| {
-        let by_value = exponents[other].value.total_cmp(&exponents[one].value);
-        let by_status = is_unidentified(one).cmp(&is_unidentified(other));
-        by_status.then(by_value)
-    });
-    order
-}
-
 /// The number of distinct section points, in words.
 fn section_points(distinct: usize, returns: usize) -> String {
     match distinct {
@@ -231,13 +230,35 @@ fn section_points(distinct: usize, returns: usize) -> String {
     }
 }
 
+/// The range of an exponent over captions within their rounding.
+fn over_captions(table: &CaptionTable, figure: usize, k: usize) -> String {
+    let none = || four_decimals(f64::NEG_INFINITY);
+    table.budget(figure, k).map_or_else(none, |budget| {
+        let ends = [budget.least, budget.largest].map(four_decimals);
+        ends.join(" … ")
+    })
+}
+
+/// The classes of the captions within their rounding, with their shares.
+fn classes(table: &CaptionTable, figure: usize) -> String {
+    let classes = table.classes(figure);
+    let all: usize = classes.iter().map(|(_, count)| count).sum();
+    let share = |count: usize| number(100.0 * count as f64 / all.max(1) as f64, 0);
+    let first = classes.first();
+    first.map_or_else(String::new, |&(class, count)| {
+        format!("{class} in {} %", share(count))
+    })
+}
+
 fn table(data: &Data) -> Result<Table, ProgramError> {
     let claims = Claims::committed()?;
+    let captions = captions::committed()?;
+    let figure = data.set.figure as usize;
     let published = |id: ClaimId| claims.of(id).published.clone();
-    let mut table = Table::new(["", "published", "from equations", "from data"])
-        .title("**(d)**  per unit of *t*; in brackets: unidentified, last");
+    let header = ["", "published", "equations", "captions ± 0.0005", "data"];
+    let mut table =
+        Table::new(header).title("**(d)**  per unit of *t*; in brackets: unidentified, last");
     let comparisons = compare(&data.from_data, &data.exact.spectrum.exponents);
-    let order = by_size(data);
     for i in 0..4 {
         let printed = published(data.set.figure.exponents()[i]).replace('-', "−");
         let exponent = &data.exact.spectrum.exponents[i];
@@ -249,18 +270,23 @@ fn table(data: &Data) -> Result<Table, ProgramError> {
             ),
             None => four_decimals(exponent.value()),
         };
-        let by_data = order.get(i).map_or_else(String::new, |&i| {
-            let e = &data.from_data.exponents[i];
-            let value = four_decimals(e.value);
-            match e.status {
-                Status::Unidentified => format!("({value})"),
-                _ => match quality(&data.from_data, i, &comparisons) {
-                    "ok" | "annihilated" => value,
-                    word => format!("{value} {word}"),
-                },
-            }
-        });
-        table = table.row([format!("*λ*_{}", i + 1), printed, equations, by_data]);
+        let by_data = data
+            .from_data
+            .exponents
+            .get(i)
+            .map_or_else(String::new, |e| {
+                let value = four_decimals(e.value);
+                match e.status {
+                    Status::Unidentified => format!("({value})"),
+                    _ => match quality(&data.from_data, i, &comparisons) {
+                        "ok" | "annihilated" => value,
+                        word => format!("{value} {word}"),
+                    },
+                }
+            });
+        let name = format!("*λ*_{}", i + 1);
+        let over_captions = over_captions(captions, figure, i);
+        table = table.row([name, printed, equations, over_captions, by_data]);
     }
     let exact = &data.exact;
     let literal = match &data.literal {
@@ -268,24 +294,23 @@ fn table(data: &Data) -> Result<Table, ProgramError> {
         AsPrintedOutcome::Bounded(measured) => measured.class.to_string(),
     };
     let points = section_points(exact.evidence.distinct, exact.evidence.returns);
-    let stick = number(100.0 * exact.spectrum.stick_fraction, 2);
-    let force = number(exact.least_force, 3);
+    let percent = |share: f64| number(100.0 * share, 2);
     let class = published(data.set.figure.class());
-    let none = String::new();
+    let row = |name: &str, value: String| [name.to_owned(), String::new(), value];
     let rows = [
-        ("class", class, exact.class.to_string()),
-        ("section points", none.clone(), points),
-        ("stick, % of time", none.clone(), stick),
-        ("least *N*/*mg*, not clipped", none.clone(), force),
-        (
-            "off the belt, % of time",
-            none.clone(),
-            number(100.0 * data.lifted_share(), 1),
-        ),
-        ("signs as printed", none.clone(), literal),
+        row("section points", points),
+        row("stick, % of time", percent(exact.spectrum.stick_fraction)),
+        row("off the belt, % of time", percent(exact.lifted_fraction)),
+        row("least *N*/*mg*, not clipped", number(exact.least_force, 3)),
+        row("losses of contact", exact.contact_losses.to_string()),
+        row("signs as printed", literal),
     ];
-    let cells = |(name, published, value): (&str, String, String)| {
-        [name.to_owned(), published, value, none.clone()]
-    };
-    Ok(rows.into_iter().map(cells).fold(table, Table::row))
+    let of_class = exact.class.to_string();
+    let table = table.row([
+        "class".to_owned(),
+        class,
+        of_class,
+        classes(captions, figure),
+    ]);
+    Ok(rows.into_iter().fold(table, Table::row))
 }

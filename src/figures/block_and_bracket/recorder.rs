@@ -36,6 +36,10 @@ pub(super) struct OrbitRecorder<'a> {
     pub(super) least_force: f64,
     /// Losses of contact.
     pub(super) losses: u64,
+    /// Beginning of the flight under way.
+    lifted_since: Option<f64>,
+    /// Time of the flights that have ended.
+    flown: f64,
     /// The drawn part.
     pub(super) curve: Vec<[f64; 4]>,
 }
@@ -49,8 +53,15 @@ impl<'a> OrbitRecorder<'a> {
             turning_points: TurningPoints::new(model, options),
             least_force: f64::INFINITY,
             losses: 0,
+            lifted_since: None,
+            flown: 0.0,
             curve: Vec::new(),
         }
+    }
+
+    /// Time without contact.
+    pub(super) fn lifted_time(&self) -> f64 {
+        self.flown + self.lifted_since.map_or(0.0, |since| END - since)
     }
 
     /// Golden-section search for the minimum of the normal force between two times.
@@ -118,7 +129,17 @@ impl Observer<4> for OrbitRecorder<'_> {
     }
 
     fn transition(&mut self, at: &Transition<4>) -> ControlFlow<()> {
-        self.losses += u64::from(at.kind == TransitionKind::ContactLoss);
+        match at.kind {
+            TransitionKind::ContactLoss => {
+                self.losses += 1;
+                self.lifted_since = Some(at.t);
+            }
+            TransitionKind::ContactGain => {
+                // A flight that began before the series counts from its start.
+                self.flown += at.t - self.lifted_since.take().unwrap_or(START);
+            }
+            _ => {}
+        }
         ControlFlow::Continue(())
     }
 }

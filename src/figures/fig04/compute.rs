@@ -46,8 +46,8 @@ pub struct Data {
     pub starts: Vec<(f64, f64)>,
     /// Their orbits as curves.
     pub orbits: Vec<Vec<(f64, f64)>>,
-    /// Number of orbits with a stick phase.
-    pub sticking: usize,
+    /// Whether each orbit has a stick phase.
+    pub sticks: Vec<bool>,
     /// The cycle.
     pub cycle: Cycle,
 }
@@ -67,10 +67,10 @@ pub(super) fn compute() -> Result<Data, ProgramError> {
     let tangents = model.tangent_points()?;
     let on_belt = tangents.iter().map(|at| (at.position, model.belt_speed));
     let starts: Vec<(f64, f64)> = on_belt.chain(FURTHER_STARTS).collect();
-    let (mut orbits, mut sticking) = (Vec::new(), 0);
+    let (mut orbits, mut sticks) = (Vec::new(), Vec::new());
     for &(x1, x2) in &starts {
         let orbit = solve(&model, 0.0, State::from([x1, x2]), DRAWN_TIME, &options)?;
-        sticking += usize::from(orbit.sticks().next().is_some());
+        sticks.push(orbit.sticks().next().is_some());
         orbits.push(phase_plane(&orbit));
     }
     let stationary = stationary(&model);
@@ -87,7 +87,7 @@ pub(super) fn compute() -> Result<Data, ProgramError> {
         tangents,
         zones: model.stick_zones()?,
         starts,
-        sticking,
+        sticks,
         orbits,
         cycle: cycle(&model, &options)?,
     })

@@ -3,6 +3,7 @@
 use super::compute::Data;
 use crate::figures::belt_line;
 use crate::terminal::ProgramError;
+use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Visibility;
 
@@ -14,22 +15,30 @@ fn description(data: &Data) -> String {
     };
     format!(
         "Phase plane of a block on a belt, position against velocity. Orbits from {} numbered \
-         tangent points on the line of belt speed and from further starts wind onto one limit \
-         cycle, which crosses that line {sticks}. Of the tangent points, {}. An enlargement shows \
-         the cycle's kink where it crosses the line, at {:.3} metres.",
+         tangent points on the line of belt speed and from further starts, numbered on, wind onto \
+         one limit cycle, which crosses that line {sticks}. Orbits {} stick first. Of the tangent \
+         points, {}. An enlargement shows the cycle's kink where it crosses the line, at {:.3} \
+         metres.",
         data.tangents.len(),
+        joined(
+            (1..)
+                .zip(&data.sticks)
+                .filter(|one| *one.1)
+                .map(|one: (usize, _)| one.0),
+            ", "
+        ),
         data.kinds(),
         data.cycle.left
     )
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
+pub(super) fn draw(data: &Data) -> Result<Figure, ProgramError> {
     let title = "Fig. 4: orbits of the belt oscillator and its limit cycle";
     let figure = Figure::new("fig04", (658.0, 640.0), title, &description(data));
     let figure = figure
         .row(0.64, orbits_panel(data))
         .row(0.36, kink_panel(data));
-    Ok(figure.render()?)
+    Ok(figure)
 }
 
 const ZONE_THICKNESS: f64 = 9.0;
@@ -77,6 +86,25 @@ fn label_offset(number: usize) -> (f64, f64) {
     (0.0, if number <= 2 { -9.0 } else { 9.0 })
 }
 
+/// The orbits; one of each kind has a legend.
+fn orbits(data: &Data) -> Vec<Curve> {
+    let mut listed = [false; 2];
+    let numbered = (1..).zip(data.orbits.iter().zip(&data.sticks));
+    let curve = |(number, (orbit, &sticks)): (usize, (&Vec<(f64, f64)>, &bool))| {
+        let curve = Curve::new(orbit.iter().copied()).width(1.0);
+        let curve = curve.name(&format!("orbit {number}"));
+        let (curve, legend) = match sticks {
+            true => (curve.color(PURPLE).dash(Dash::Dashed), "orbits that stick"),
+            false => (curve.color(BLUE), "orbits that never stick"),
+        };
+        match std::mem::replace(&mut listed[usize::from(sticks)], true) {
+            true => curve,
+            false => curve.legend(legend),
+        }
+    };
+    numbered.map(curve).collect()
+}
+
 fn orbits_panel(data: &Data) -> Panel {
     let mut panel = Panel::new(
         Axis::new("*x*_1, m", -2.0, 2.0).step(0.5).minor(5),
@@ -89,20 +117,16 @@ fn orbits_panel(data: &Data) -> Panel {
         panel.add(line.width(0.5).dash(Dash::Dashed));
     }
     panel.add(cycle(data).legend("limit cycle"));
-    let further = data.tangents.len();
-    for (i, orbit) in data.orbits.iter().enumerate() {
-        let curve = Curve::new(orbit.iter().copied()).width(0.9);
-        let from_tangent = curve.clone().color(BLUE);
-        let from_further = curve.color(GREEN).dash(Dash::Dashed);
-        panel.add(match i {
-            0 => from_tangent.legend("orbits from the tangent points"),
-            _ if i < further => from_tangent,
-            _ if i == further => from_further.legend("orbits from two further starts"),
-            _ => from_further,
-        });
+    for curve in orbits(data) {
+        panel.add(curve);
     }
     boundary(&mut panel, data);
-    let starts = Markers::new(data.starts[further..].iter().copied());
+    let further = data.tangents.len();
+    let mut starts = Markers::new(data.starts[further..].iter().copied());
+    for index in 0..data.starts.len() - further {
+        let number = (further + index + 1).to_string();
+        starts = starts.label(index, &number, (-9.0, 0.0));
+    }
     let starts = starts.shape(Shape::Square).size(6.0).color(GREEN);
     panel.add(starts.legend("further starts"));
     panel
@@ -118,10 +142,10 @@ fn kink_panel(data: &Data) -> Panel {
             .minor(2),
     )
     .label("(b)");
-    panel.add(self::cycle(data));
+    panel.add(self::cycle(data).name("limit cycle"));
     boundary(&mut panel, data);
-    for orbit in &data.orbits[..data.tangents.len()] {
-        panel.add(Curve::new(orbit.iter().copied()).color(BLUE).width(0.9));
+    for curve in orbits(data).into_iter().take(data.tangents.len()) {
+        panel.add(curve);
     }
     // On Σ the slope in the phase plane is the acceleration over the belt's speed.
     let [before, after] = cycle.kink.map(|acceleration| acceleration / belt);

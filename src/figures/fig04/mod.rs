@@ -17,11 +17,12 @@ use stickslip::analysis::Visibility;
 pub const FIG04: FigureSpec<Data> = FigureSpec {
     name: "fig04",
     title: "Orbits of the belt oscillator and its limit cycle (Fig. 4)",
-    about: "Panel (a): phase plane of model 1, Eq. (3), for mu0 = 1/(3√3) and vp = 1: orbits from \
-        the six tangent points and two further starts, the limit cycle, stick zones as grey bars, \
-        tangent points numbered, visible ones filled. Panel (b): the kink where the cycle crosses \
-        the belt's speed near the third tangent point. Numbers: tangent points and their kinds, \
-        the cycle's crossings, period, Floquet multiplier and number of stick phases.",
+    about: "Panel (a): phase plane of model 1, Eq. (3), for mu0 = 1/(3√3) and vp = 1: orbits \
+        from the six tangent points and two further starts, all numbered, dashed where they \
+        stick; the limit cycle, stick zones as grey bars, visible tangent points filled. Panel \
+        (b): the kink where the cycle crosses the belt's speed near the third tangent point. \
+        Numbers: tangent points and their kinds, the cycle's crossings, period, Floquet \
+        multiplier and number of stick phases.",
     compute,
     numbers,
     draw,
@@ -72,11 +73,16 @@ fn limit_cycle(data: &Data) -> Vec<Row> {
         number("kink.above", cycle.kink[1], "m/s²"),
         Row::count("fig04.sticks_per_period", Exact, cycle.sticks),
         Row::count("fig04.orbits", Exact, data.orbits.len()),
-        Row::count("fig04.orbits_that_stick", Exact, data.sticking),
+        Row::count("fig04.orbits_that_stick", Exact, data.sticking()),
     ]
 }
 
 impl Data {
+    /// Number of orbits with a stick phase.
+    pub fn sticking(&self) -> usize {
+        self.sticks.iter().filter(|&&sticks| sticks).count()
+    }
+
     /// The numbers of the tangent points of each kind, as in the caption.
     pub(super) fn kinds(&self) -> String {
         let listed = |wanted| {

@@ -11,8 +11,8 @@ use plot::{
 /// Tangent points with odd numbers bound their zone from above, those with even numbers from below.
 const EDGES: [(Color, Dash); 2] = [(BLUE, Dash::Solid), (VERMILLION, Dash::Dashed)];
 
-/// The SVG.
-pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
+/// The picture.
+pub(super) fn draw(data: &Data) -> Result<Figure, ProgramError> {
     let title = "Tangent points: transition function, oscillation, bifurcation";
     let description = "Panel a: the transition function σ against z. Without friction it touches \
         the axis from above at z = −1, 0 and 1; with μ0 = 2√3/9 it is negative between ±2/√3 and \
@@ -24,7 +24,7 @@ pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let figure = Figure::new("fig07", (680.0, 590.0), title, description);
     let above = side_by_side(transition(data), oscillation(&data.oscillation));
     let figure = figure.columns(1.0, above).row(1.08, branches(data));
-    Ok(figure.render()?)
+    Ok(figure)
 }
 
 fn transition(data: &Data) -> Panel {
@@ -70,7 +70,9 @@ fn oscillation(data: &TangentPointMotion) -> Panel {
     panel.add(Note::new((0.25 * period, amplitude), "stick"));
     for (k, positions) in data.positions.iter().enumerate() {
         let (color, dash) = EDGES[k % 2];
-        panel.add(Curve::new(curve(positions)).color(color).dash(dash));
+        let name = format!("tangent point {}", k + 1);
+        let line = Curve::new(curve(positions)).color(color).dash(dash);
+        panel.add(line.name(&name));
         // Beside the maximum of the second period, outside the zone.
         let crest = (1.25 * period, data.points[k] + amplitude);
         let up = if k % 2 == 0 { 5.0 } else { -5.0 };
@@ -103,7 +105,11 @@ fn branches(data: &Data) -> Panel {
     for (k, branch) in below.iter().chain(above).enumerate() {
         let (color, dash) = EDGES[k % 2];
         let curve = Curve::new(branch.iter().copied()).color(color);
-        panel.add(curve.dash(dash).width(1.6));
+        let name = match k {
+            _ if k < below.len() => format!("tangent point {}, below critical", k + 1),
+            _ => format!("tangent point {}, above critical", k + 1 - below.len()),
+        };
+        panel.add(curve.dash(dash).width(1.6).name(&name));
     }
     let drawn = &data.oscillation;
     let six = drawn.points.iter().map(|z| (drawn.model.mu0, *z));

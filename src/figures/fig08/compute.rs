@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::figures::{crossing, time_curve};
 use crate::numbers::not_found;
-use crate::paper::listing::{self, END, Motion, Sample, Setup};
+use crate::paper::listing::{self, END, Motion, Sample, Setup, Stick};
 use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::{Pattern, two_periodic};
 use crate::paper::published::LAST_DIGIT;
@@ -19,12 +19,15 @@ use stickslip::{Error, Mode, Options, Side, State, solve};
 pub struct ListingMotion {
     /// Its pattern.
     pub pattern: Pattern,
-    /// Stick phases in the plotted window: time and position at the start and at the end of each.
-    pub stuck: Vec<[(f64, f64); 2]>,
+    /// The complete stick phases of the trajectory.
+    pub stuck: Vec<Stick>,
     /// Fraction of the stick time in the plotted window during which the body is in no stick zone.
     pub outside_zones: f64,
-    /// The plotted window: time, position, velocity.
+    /// Two forcing periods of the settled motion, begun shortly before the longest stick phase, so
+    /// that no phase is cut: time, position, velocity.
     pub trajectory: Vec<(f64, f64, f64)>,
+    /// The listing's start: position and velocity.
+    pub start: (f64, f64),
 }
 
 /// The stated model's attractor.
@@ -84,6 +87,8 @@ pub struct Data {
 
 /// Forcing periods drawn: the published pattern.
 const PERIODS_SHOWN: f64 = 2.0;
+/// Time before the longest stick phase at which the listing's drawn trajectory begins (s).
+const LEAD: f64 = 0.1;
 /// Forcing periods in which a pattern of any length repeats: three times the longest.
 const PERIODS_COMPARED: f64 = 3.0 * Motion::LONGEST_PATTERN as f64;
 
@@ -105,38 +110,41 @@ fn as_printed(
     model: &ForcedOscillator,
     zones: &[(f64, f64)],
 ) -> Result<ListingMotion, ProgramError> {
-    let mut trajectory = Vec::new();
-    let mut stuck: Vec<[(f64, f64); 2]> = Vec::new();
-    let mut sticking = false;
+    let setup = Setup::default();
+    let span = PERIODS_SHOWN * model.period();
+    let mut samples = Vec::new();
     let (mut steps_stuck, mut steps_outside) = (0_u32, 0_u32);
     let keep = |sample: &Sample| {
-        if !sample.in_window {
-            return;
+        if sample.t >= setup.window_start - span {
+            samples.push((sample.t, sample.x1, sample.x2));
         }
-        trajectory.push((sample.t, sample.x1, sample.x2));
-        let here = (sample.t, sample.x1);
-        let sticks = sample.mode == Mode::Stick;
-        if sticks {
+        if sample.in_window && sample.mode == Mode::Stick {
             let z = sample.x1 - model.support(sample.t);
             steps_stuck += 1;
             steps_outside +=
                 u32::from(!zones.iter().any(|&(lower, upper)| lower <= z && z <= upper));
         }
-        match stuck.last_mut() {
-            Some(stretch) if sticking => stretch[1] = here,
-            _ if sticks => stuck.push([here, here]),
-            _ => {}
-        }
-        sticking = sticks;
     };
-    let run = listing::run_with(&Setup::default(), keep);
+    let run = listing::run_with(&setup, keep);
     let what = "a motion of the listing that repeats";
     let pattern = Pattern::of_listing(&run).ok_or_else(|| not_found(what, 0.0, END))?;
+    let longest = pattern.pattern_sticks();
+    let longest = longest.max_by(|one, other| one.length().total_cmp(&other.length()));
+    let end = samples.last().map_or(END, |last| last.0);
+    let latest = end - span;
+    let begin = longest.map_or(latest, |stick| stick.entry.t - LEAD);
+    let begin = if begin > latest { begin - span } else { begin };
+    let is_shown = |t: f64| begin <= t && t <= begin + span;
+    let stuck = run.phases.iter().map(|phase| phase.stick);
+    let [start_x1, start_x2] = setup.state().into();
     Ok(ListingMotion {
         pattern,
-        stuck,
+        stuck: stuck
+            .filter(|one| is_shown(one.entry.t) && is_shown(one.exit.t))
+            .collect(),
         outside_zones: f64::from(steps_outside) / f64::from(steps_stuck.max(1)),
-        trajectory,
+        trajectory: samples.into_iter().filter(|at| is_shown(at.0)).collect(),
+        start: (start_x1, start_x2),
     })
 }
 

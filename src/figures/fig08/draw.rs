@@ -3,7 +3,7 @@
 use super::compute::Data;
 use crate::figures::{belt_line, side_by_side};
 use crate::numbers::extent;
-use crate::paper::listing::{Crossing, PRINTED_STEP};
+use crate::paper::listing::{Crossing, Instant, PRINTED_STEP};
 use crate::terminal::ProgramError;
 use plot::*;
 use stickslip::math;
@@ -51,7 +51,7 @@ fn periods(count: usize) -> String {
     }
 }
 
-pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
+pub(super) fn draw(data: &Data) -> Result<Figure, ProgramError> {
     let printed_side = HalfFigure::of(data, &data.as_printed.trajectory, BLUE);
     let exact_side = HalfFigure::of(data, &data.exact.trajectory, VERMILLION);
     let power = number(math::log10(PRINTED_STEP), 0);
@@ -59,12 +59,9 @@ pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let mut left = printed_side.plane("(a)", &title);
     add_stick_phases(&mut left, data);
     add_deflections(&mut left, &printed_side);
+    left.add(start(data));
     let mut left_strip = printed_side.strip("(c)");
-    for (i, stretch) in data.as_printed.stuck.iter().enumerate() {
-        let ends = stretch.map(|(t, x1)| (t - printed_side.origin, x1));
-        let thick = Curve::new(ends).color(ORANGE).width(3.4);
-        left_strip.add(if i == 0 { thick.legend("stick") } else { thick });
-    }
+    add_durations(&mut left_strip, &printed_side);
     let outside = 100.0 * data.as_printed.outside_zones;
     let text = format!("{outside:.0} % of the stick time lies in no stick zone");
     left_strip.add(Note::new(Position::Fraction(0.5, 0.0), &text).offset(0.0, 6.0));
@@ -79,6 +76,7 @@ pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
         more => format!("{more} stick phases"),
     };
     right.add(Note::new((0.03, -0.03), &sticks));
+    right.add(start(data));
     let right_strip = exact_side.strip("(d)");
     let title = "Fig. 8: stick–slip as printed, and the stated model solved exactly";
     let figure = Figure::new("fig08", (770.0, 680.0), title, &description(data));
@@ -86,15 +84,52 @@ pub(super) fn draw(data: &Data) -> Result<String, ProgramError> {
     let figure = figure
         .columns(0.6, side_by_side(left, right))
         .columns(0.4, strips);
-    Ok(figure.render()?)
+    Ok(figure)
 }
 
-/// The stick phases on the line of belt speed, with their lengths.
+/// The listing's start.
+fn start(data: &Data) -> Markers {
+    let start = Markers::new([data.as_printed.start]).shape(Shape::Square);
+    start.size(6.0).color(GREEN).legend("start")
+}
+
+/// Points where the listing releases the body.
+fn releases(points: Vec<(f64, f64)>) -> Markers {
+    let points = Markers::new(points).shape(Shape::Diamond);
+    points.size(7.0).color(PURPLE).legend("release")
+}
+
+/// Position of the durations in the lower panel (m).
+const DURATIONS_AT: f64 = -1.4;
+
+/// The stick phases against time, with their durations and releases.
+fn add_durations(strip: &mut Panel, side: &HalfFigure<'_>) {
+    let at = |instant: &Instant| (instant.t - side.origin, instant.x1);
+    let sticks = &side.data.as_printed.stuck;
+    for (i, stick) in sticks.iter().enumerate() {
+        let ends = [at(&stick.entry), at(&stick.exit)];
+        let thick = Curve::new(ends).color(ORANGE).width(3.4);
+        let thick = thick.name(&format!("stick phase {}", i + 1));
+        strip.add(if i == 0 { thick.legend("stick") } else { thick });
+        let [from, to] = ends.map(|(t, _)| (t, DURATIONS_AT));
+        strip.add(Dimension::new(
+            from,
+            to,
+            &format!("{:.4} s", stick.duration()),
+        ));
+    }
+    strip.add(releases(
+        sticks.iter().map(|stick| at(&stick.exit)).collect(),
+    ));
+}
+
+/// The stick phases on the line of belt speed, with their lengths and releases.
 fn add_stick_phases(panel: &mut Panel, data: &Data) {
     let belt = data.model.belt_speed;
     for (i, stick) in data.as_printed.pattern.pattern_sticks().enumerate() {
         let ends = [(stick.entry.x1, belt), (stick.exit.x1, belt)];
         let thick = Curve::new(ends).color(ORANGE).width(3.4);
+        let thick = thick.name(&format!("stick phase {}", i + 1));
         panel.add(match i {
             0 => thick.legend("stick phase"),
             _ => thick,
@@ -102,6 +137,10 @@ fn add_stick_phases(panel: &mut Panel, data: &Data) {
         let length = format!("{:.4} m", stick.length());
         panel.add(Dimension::new(ends[0], ends[1], &length).shift(30.0));
     }
+    let sticks = data.as_printed.pattern.pattern_sticks();
+    panel.add(releases(
+        sticks.map(|stick| (stick.exit.x1, belt)).collect(),
+    ));
 }
 
 /// The deflections, which are too close together for the panel's scale. They are drawn small, and
@@ -169,7 +208,8 @@ impl<'a> HalfFigure<'a> {
             panel.add(swept.legend("sweep of the middle stick zone"));
         }
         let curve = self.trajectory.iter().map(|&(_, x1, x2)| (x1, x2));
-        panel.add(Curve::new(curve).color(self.colour).width(1.4));
+        let curve = Curve::new(curve).color(self.colour).width(1.4);
+        panel.add(curve.name("trajectory"));
         panel
     }
 

@@ -54,7 +54,7 @@ fn row(ledger: &Ledger, figure: SpectrumFigure) -> Markup {
             td data-column="Rests on" {
                 a href="#corrections" { (labels(&class.corrections)) }
                 @if class.corrections.contains(&Correction::ClippedNormalForce) {
-                    p.soft { "off the belt " (format!("{:.0} %", 100.0 * data.lifted_share())) " of the time" }
+                    p.soft { "off the belt " (format!("{:.0} %", 100.0 * data.exact.lifted_fraction)) " of the time" }
                 }
             }
         }

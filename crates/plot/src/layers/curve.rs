@@ -14,6 +14,7 @@ pub struct Curve {
     points: Vec<(f64, f64)>,
     pen: Pen,
     legend: String,
+    name: String,
 }
 
 impl Curve {
@@ -23,6 +24,7 @@ impl Curve {
             points: points.into_iter().collect(),
             pen: Pen::default(),
             legend: String::new(),
+            name: String::new(),
         }
     }
 
@@ -35,6 +37,8 @@ impl Curve {
         dash: Dash => pen.dash;
         /// Text in the legend, in markup.
         legend: &str => legend;
+        /// Name in the table of curves; without one the legend serves.
+        name: &str => name;
     }
 
     /// Round ends, so that a piece without length is a dot.
@@ -45,6 +49,15 @@ impl Curve {
 }
 
 impl Layer for Curve {
+    fn curve(&self) -> Option<(&str, &[(f64, f64)])> {
+        let name = if self.name.is_empty() {
+            &self.legend
+        } else {
+            &self.name
+        };
+        Some((name, &self.points))
+    }
+
     fn draw(&self, plot: &Plot<'_, '_>) -> Drawn {
         plot.stroke(&self.points, &self.pen)
     }

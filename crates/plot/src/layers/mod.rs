@@ -42,6 +42,11 @@ pub trait Layer {
     fn legend(&self) -> Option<Entry> {
         None
     }
+
+    /// Name, in markup, and points of a layer that is a curve.
+    fn curve(&self) -> Option<(&str, &[Point])> {
+        None
+    }
 }
 
 /// A place in a panel.
