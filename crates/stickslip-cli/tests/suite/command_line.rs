@@ -1053,7 +1053,9 @@ fn a_periodic_orbit_is_found_with_its_phases() {
         .assert()
         .success();
     let loose = String::from_utf8_lossy(&loose.get_output().stdout).into_owned();
-    let line = loose.lines().find(|line| line.contains("(the trivial one)"));
+    let line = loose
+        .lines()
+        .find(|line| line.contains("(the trivial one)"));
     let (value, rest) = line.unwrap().split_once('±').unwrap();
     let within = rest.split_whitespace().next().unwrap();
     let decimals = value.trim().split_once('.').unwrap().1.len();

@@ -263,10 +263,9 @@ fn shortest(
     }
 }
 
-/// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`], with the
-/// options by which it was found; `is_forced` for the orbit of a forced system. The orbit is
-/// computed again with half the steps, as for the uncertainties of places on a branch. NaN where
-/// that fails.
+/// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`]; NaN where
+/// the orbit is not found again. It is computed with half the steps, as for places on a branch, and
+/// with the options by which it was found; `is_forced` for a forced system.
 pub fn multiplier_uncertainties<Kind>(
     system: &impl AsDynamics<Kind>,
     orbit: &PeriodicOrbit,

@@ -217,8 +217,8 @@ impl Continuation<'_> {
         let fewer = [&all[1..nodes.len() - 1], &apart].map(zero_of_polynomial);
         let off =
             |other: Option<(f64, f64)>| other.map_or(f64::NAN, |(_, p)| (parameter - p).abs());
-        // Errors of integration have the largest effect at the nearest node. Next to a multiplier of 1,
-        // errors of each orbit amplify it. Chosen: four times the margin of other places.
+        // Errors of integration have the largest effect at the nearest node. Next to a multiplier of
+        // 1, errors of each orbit amplify it. Chosen: four times the margin of other places.
         const SAFETY_AT_ONE: f64 = 4.0 * SAFETY;
         let finer = self.shooting.finer();
         let (first, last) = (nodes.first()?, nodes.last()?);

@@ -53,9 +53,8 @@ pub(crate) struct Shooting<'a> {
     /// row has a given value.
     pub plane: Option<(&'a Vector, f64)>,
     pub options: &'a Options,
-    /// Whether every step is taken in two halves, and tangent vectors are carried in halves of the
-    /// pieces that they would take. So the result differs by nearly the whole error of integration,
-    /// whatever decides the steps: tolerance, order, or the events between which they lie.
+    /// Whether every step, and every piece that carries tangent vectors, is taken in two halves. So
+    /// the result differs by nearly the whole error, whatever decides the steps.
     pub is_finer: bool,
 }
 

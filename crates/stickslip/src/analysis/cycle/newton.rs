@@ -7,9 +7,8 @@ use crate::dynamics::{Matrix, Vector};
 /// nothing depends, the energy of a pendulum. The solution has no component in these directions. At
 /// least a given number of directions are excluded; the number excluded is returned, too.
 ///
-/// The second matrix is the part of the first that is due to changes of the state. Along a
-/// direction, the error of the equations is a fraction of that part: a state that changes little in
-/// a period is known as precisely beside 1 as its change.
+/// The second matrix is the part of the first that is due to changes of the state. The error of the
+/// equations is a fraction of that part: of a state that changes little in a period, it is small.
 pub(super) fn newton_solution(
     [matrix, mut changes]: [Matrix; 2],
     right: &Vector,
