@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Unpack
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from . import _core
 from ._arguments import Floats, Options, array, as_array, checked, real, settings, start
+from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import progress_report
 from ._results import Result, call_engine, make_result
@@ -29,9 +31,12 @@ class LyapunovSpectrum(Result):
     std_errors : ndarray, shape (n,)
         Standard errors from block means; NaN for an exponent of -inf.
     uncertainties : ndarray, shape (n,)
-        Four standard errors, or ln 30 divided by `duration` if that is larger.
+        Four standard errors, ln 30 divided by `duration`, or the effect of rounding on equal
+        exponents or of their growth by powers of time, whichever is largest.
     duration : float
         Duration of the measurement.
+    ended : str or None
+        Why the measurement ended before its duration; None if it did not.
     defect : float
         Difference of their sum from the mean growth rate of volumes, which is computed separately.
     stick_entries : int
@@ -48,6 +53,7 @@ class LyapunovSpectrum(Result):
     std_errors: Floats
     uncertainties: Floats
     duration: float
+    ended: str | None
     defect: float
     stick_entries: int
     stick_fraction: float
@@ -135,9 +141,14 @@ def lyapunov_spectrum(
     Raises
     ------
     StickslipError
-        If the run fails, or its future is not unique.
+        If the run cannot begin.
     Interrupted
         On Ctrl-C; nothing is kept.
+
+    Warns
+    -----
+    SolverWarning
+        If the run fails or its future is not unique. The exponents are those of the time before.
 
     Examples
     --------
@@ -153,7 +164,11 @@ def lyapunov_spectrum(
         found = call_engine(
             _core.lyapunov_spectrum, system._core, (t, x), times, settings(options), report
         )
-    return make_result(found, LyapunovSpectrum)
+    result = make_result(found, LyapunovSpectrum)
+    if result.ended is not None:
+        message = f"measured for {result.duration:g} of {times[1]:g} time units: {result.ended}"
+        warnings.warn(message, SolverWarning, stacklevel=2)
+    return result
 
 
 def lyapunov_from_data(

@@ -7,7 +7,7 @@ use stickslip::error::readable;
 
 use super::arguments::{PreparedRun, RunArguments, time_or};
 use super::figures;
-use crate::failure::Failure;
+use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, within};
 use crate::terminal::with_spinner;
 use stickslip_kernels::file::System;
@@ -24,7 +24,9 @@ pub(super) struct Arguments {
     /// Duration of the measurement; default 2000, or 10000 periods of a drive with a period below
     /// 0.2
     ///
-    /// Exponents are printed ± four standard errors, or ± ln 30 over this time if that is larger.
+    /// Exponents are printed ± four standard errors, or ± ln 30 over this time, ± the effect of
+    /// rounding on the directions, or for m equal exponents ± (m - 1) ln 30 over this time,
+    /// whichever is largest.
     #[arg(long, value_name = "TIME")]
     duration: Option<f64>,
     #[command(flatten)]
@@ -54,15 +56,13 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
     let what = format!("Lyapunov exponents, measured for {time} time units");
     let mut report = Report::of(system, what);
     let mut exponents = Vec::new();
-    for (k, exponent) in (1..).zip(&spectrum.exponents) {
+    let rows = || spectrum.exponents.iter().zip(&spectrum.uncertainties);
+    for (k, (exponent, &uncertainty)) in (1..).zip(rows()) {
         let (words, json) = match *exponent {
-            Exponent::Finite { value, std_error } => {
-                let uncertainty = exponent.uncertainty(duration);
-                (
-                    within(value, uncertainty),
-                    json!({ "value": value, "std_error": std_error, "uncertainty": uncertainty }),
-                )
-            }
+            Exponent::Finite { value, std_error } => (
+                within(value, uncertainty),
+                json!({ "value": value, "std_error": std_error, "uncertainty": uncertainty }),
+            ),
             // JSON has no infinity.
             Exponent::Annihilated => (
                 annihilated(system).to_owned(),
@@ -72,6 +72,13 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
         report.line(&format!("λ{k}"), words);
         exponents.push(json);
     }
+    let ended = spectrum.ended.as_ref();
+    let ended = ended.map(|error| in_words(error, system));
+    if let Some(error) = &ended {
+        let wanted = readable(settings.duration);
+        report.line("ended", format!("after {time} of {wanted}: {error}"));
+    }
+    report.field("ended", ended);
     // The defect may have either sign; zero is printed without one.
     let defect = spectrum.defect();
     let entries = spectrum.stick_entries;
@@ -95,10 +102,11 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
         .field("stick_fraction", spectrum.stick_fraction);
 
     let table = Table::new()
-        .column("number", |&(k, _): &(usize, &Exponent)| k)
-        .column("exponent", |(_, exponent)| exponent.value())
-        .column("std_error", |(_, exponent)| exponent.std_error());
-    report.table(table.csv("exponents", (1..).zip(&spectrum.exponents))?);
+        .column("number", |&(k, _): &(usize, (&Exponent, &f64))| k)
+        .column("exponent", |(_, row)| row.0.value())
+        .column("std_error", |(_, row)| row.0.std_error())
+        .column("uncertainty", |(_, row)| row.0.std_error().map(|_| *row.1));
+    report.table(table.csv("exponents", (1..).zip(rows()))?);
     let numbers = (1..=spectrum.exponents.len()).map(|k| format!("lambda{k}"));
     let table = Table::new()
         .column("elapsed", |at: &&Running| at.elapsed)

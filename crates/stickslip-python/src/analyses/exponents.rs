@@ -13,7 +13,7 @@ use stickslip_series::{
 };
 
 use super::Start;
-use crate::errors::{Failure, computation, option};
+use crate::errors::{Failure, computation, option, words};
 use crate::fields::Fields;
 use crate::task::{ProgressKind, Report, Task, computed};
 use crate::{Settings, System};
@@ -43,12 +43,15 @@ pub(crate) fn lyapunov_spectrum<'py>(
     let fields = Fields::new(py);
     fields.numbers("exponents", exponents.iter().map(Exponent::value))?;
     fields.optional_numbers("std_errors", exponents.iter().map(Exponent::std_error))?;
-    let uncertainties = exponents.iter().map(|one| match one {
-        Exponent::Finite { .. } => one.uncertainty(duration),
+    let pairs = exponents.iter().zip(&spectrum.uncertainties);
+    let uncertainties = pairs.map(|(one, uncertainty)| match one {
+        Exponent::Finite { .. } => *uncertainty,
         Exponent::Annihilated => f64::NAN,
     });
     fields.numbers("uncertainties", uncertainties)?;
     fields.put("duration", duration)?;
+    let ended = spectrum.ended.as_ref();
+    fields.put("ended", ended.map(|error| words(error, compiled)))?;
     fields.put("defect", spectrum.defect())?;
     fields.put("stick_entries", spectrum.stick_entries)?;
     fields.put("stick_fraction", spectrum.stick_fraction)?;

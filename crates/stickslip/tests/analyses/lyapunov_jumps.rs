@@ -6,7 +6,7 @@ use stickslip::analysis::{
 use stickslip::{Options, math};
 use stickslip_kernels::file::{Source, System, SystemFile};
 
-fn system(text: &str) -> System {
+pub fn system(text: &str) -> System {
     let source = Source {
         name: "system.toml".to_owned(),
         text: text.to_owned(),

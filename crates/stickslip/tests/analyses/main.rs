@@ -13,3 +13,4 @@ mod den_hartog;
 mod lyapunov_jumps;
 #[path = "../common/smooth.rs"]
 mod smooth;
+mod uncertainties;

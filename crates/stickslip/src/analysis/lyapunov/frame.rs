@@ -1,5 +1,6 @@
 //! The orthonormal frame.
 
+use super::rounding::Shadow;
 use crate::analysis::cycle::unit;
 use crate::dynamics::{Matrix, Vector};
 use crate::math;
@@ -16,6 +17,8 @@ const IN_SPAN: f64 = 1e-12;
 pub(super) struct Frame {
     columns: Vec<Vector>,
     alive: Vec<bool>,
+    /// What rounding does to a full frame.
+    pub(super) shadow: Option<Shadow>,
 }
 
 impl Frame {
@@ -31,6 +34,7 @@ impl Frame {
         let mut frame = Frame {
             columns: (0..count).map(column).collect(),
             alive: vec![true; count],
+            shadow: (count == states && states > 1).then(|| Shadow::of(states)),
         };
         if frame.orthonormalise().is_none() {
             frame.columns = (0..count).map(|j| unit(states, j)).collect();
@@ -103,11 +107,12 @@ impl Frame {
     fn gram_schmidt(&mut self, count: usize, least: f64) -> Option<Vec<f64>> {
         let mut lengths = vec![0.0; self.len()];
         let order = self.order();
+        let mut triangle = Matrix::zeros(count, count);
         for (place, &j) in order.iter().take(count).enumerate() {
             let mut column = std::mem::take(&mut self.columns[j]);
             let size = column.norm();
-            for &i in &order[..place] {
-                take_out(&self.columns[i], &mut column);
+            for (above, &i) in order[..place].iter().enumerate() {
+                triangle[(above, place)] = take_out(&self.columns[i], &mut column);
             }
             let length = column.norm();
             // Without a normal square, a length has underflowed or overflowed.
@@ -116,6 +121,11 @@ impl Frame {
             }
             self.columns[j] = column / length;
             lengths[j] = length;
+            triangle[(place, place)] = length;
+        }
+        let living = self.living();
+        if let Some(shadow) = &mut self.shadow {
+            shadow.carry(&living, &triangle);
         }
         Some(lengths)
     }
@@ -187,10 +197,11 @@ impl Frame {
     }
 }
 
-/// Takes the direction of a unit vector out of another vector.
-fn take_out(unit: &Vector, vector: &mut Vector) {
+/// Takes the direction of a unit vector out of another vector, and returns its component.
+pub(super) fn take_out(unit: &Vector, vector: &mut Vector) -> f64 {
     let part = unit.dot(vector);
     *vector -= unit * part;
+    part
 }
 
 #[cfg(test)]

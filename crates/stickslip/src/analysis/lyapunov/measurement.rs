@@ -4,7 +4,7 @@ use super::super::tangent::{Jump, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
 use super::settings::SpectrumOptions;
-use super::spectrum::Spectrum;
+use super::spectrum::{Spectrum, uncertainties};
 use super::volume::growth;
 use crate::dynamics::{
     Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
@@ -22,6 +22,13 @@ const ACROSS_BOUNDARY: f64 = 1e-12;
 /// below it are zero.
 const MATRIX_ROUNDING: f64 = 1e-13;
 
+/// Number of parts of steps after which the rounding of vectors is measured again. Chosen: it takes
+/// the time of a further vector.
+const PARTS_PER_CHECK: u64 = 16;
+
+/// Transitions within the tolerances of one place after which an orbit is lost there. Chosen.
+const NARROW_TRANSITIONS: usize = 4;
+
 /// The frame and its sums.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
@@ -33,6 +40,10 @@ pub(super) struct Measurement<'a> {
     log_volume: f64,
     /// Integral of the divergence.
     divergence: f64,
+    /// A place, and the number of transitions since the orbit left the tolerances around it.
+    narrow: (Moment, usize),
+    /// End of the last step that the frame was carried over, when measuring.
+    reached: Option<Moment>,
     stick_time: f64,
     stick_entries: usize,
     collapses: usize,
@@ -58,6 +69,14 @@ impl<'a> Measurement<'a> {
             growth: Growth::new(count, 0.0, settings),
             log_volume: 0.0,
             divergence: 0.0,
+            narrow: (
+                Moment {
+                    t: 0.0,
+                    x: Vector::zeros(system.states()),
+                },
+                0,
+            ),
+            reached: None,
             stick_time: 0.0,
             stick_entries: 0,
             collapses: 0,
@@ -70,6 +89,9 @@ impl<'a> Measurement<'a> {
     /// Resets the sums and keeps the frame.
     pub(super) fn begin_measuring(&mut self, t: f64) {
         self.frame.revive();
+        if let Some(shadow) = &mut self.frame.shadow {
+            shadow.begin_measuring();
+        }
         self.growth = Growth::new(self.frame.len(), t, self.settings);
         self.log_volume = 0.0;
         self.divergence = 0.0;
@@ -80,9 +102,18 @@ impl<'a> Measurement<'a> {
         self.is_settling = false;
     }
 
-    pub(super) fn finish(self, summary: Summary) -> Spectrum {
+    /// The spectrum of a run that has ended, early because of an error.
+    pub(super) fn finish(self, summary: Summary, ended: Option<Error>) -> Spectrum {
+        let shadow = self.frame.shadow.as_ref();
+        let bound = |j: usize| shadow.map_or(0.0, |shadow| shadow.bound(j));
+        let rounding: Vec<f64> = self.growth.order().into_iter().map(bound).collect();
         let (duration, exponents, convergence) = self.growth.finish(summary.t);
+        // Time in units in which the orbit and its frame settled before, or else of its steps.
+        let step = duration / self.parts.max(1) as f64;
+        let span = duration / self.settings.transient.max(step);
         Spectrum {
+            uncertainties: uncertainties(&exponents, &rounding, (duration, span)),
+            ended,
             exponents,
             convergence,
             volume_rate: self.log_volume / duration,
@@ -93,6 +124,12 @@ impl<'a> Measurement<'a> {
             duration,
             summary,
         }
+    }
+
+    /// Where the measured part of the run has arrived, if it is as long as this.
+    pub(super) fn reached(&self, least: f64) -> Option<Moment> {
+        let is_enough = |at: &&Moment| self.growth.elapsed(at.t) >= least;
+        self.reached.as_ref().filter(is_enough).cloned()
     }
 
     /// Adds the logarithms of the lengths that remained when the frame was made orthonormal.
@@ -237,6 +274,25 @@ impl Measurement<'_> {
         });
     }
 
+    /// Whether an orbit passes boundaries that do not move, and moves by less than its tolerances.
+    /// The rounding of its states then decides on which side it is.
+    fn is_lost(&mut self, at: &Transition) -> bool {
+        let here = at.moment();
+        let flow = self.tangent.system.flow(at.from, &here);
+        let guards = flow.guards().into_iter();
+        let mut guards = guards.filter(|guard| !guard.is_of_jump);
+        let moves = guards.any(|guard| flow.guard_gradient(guard.number, &here).1 != 0.0);
+        self.narrow.1 += usize::from(!moves && at.kind != TransitionKind::Jump);
+        self.narrow.1 >= NARROW_TRANSITIONS
+    }
+
+    fn is_at_place(&self, x: &Vector) -> bool {
+        let solver = &self.settings.solver;
+        let parts = x.iter().zip(&self.narrow.0.x);
+        let mut parts = parts.map(|(a, b)| (a - b).abs() <= solver.atol + solver.rtol * a.abs());
+        parts.all(|is_near| is_near)
+    }
+
     /// Carries the frame over the last step of an orbit.
     pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let is_stick = step.mode.any_sticks();
@@ -247,9 +303,13 @@ impl Measurement<'_> {
         if is_stick {
             self.stick_time += step.t_end - step.t_start;
         }
+        if !(self.is_at_place(&step.x_start) && self.is_at_place(&step.x_end)) {
+            self.narrow = (step.end(), 0);
+        }
         self.carry(step, orbit)?;
         if !self.is_settling {
             self.growth.tick(step.t_end);
+            self.reached = Some(step.end());
         }
         Ok(())
     }
@@ -260,6 +320,13 @@ impl Measurement<'_> {
     /// errors of the longer ones. The step is then halved.
     fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let images = self.tangent.carried(step, self.frame.columns_mut());
+        if self.parts.is_multiple_of(PARTS_PER_CHECK) && self.frame.shadow.is_some() {
+            let sum = self.frame.columns_mut().iter().sum::<Vector>();
+            let of_sum = self.tangent.carried(step, &[sum]).swap_remove(0);
+            if let Some(shadow) = &mut self.frame.shadow {
+                shadow.note_rounding(&images, of_sum);
+            }
+        }
         let before = self.frame.replace(images);
         if step.mode.any_sticks() {
             self.stay_on_boundary(step);
@@ -296,6 +363,10 @@ impl Measurement<'_> {
 
     /// Carries the frame through a transition.
     pub(super) fn transition(&mut self, at: &Transition) -> Result<(), Error> {
+        if self.is_lost(at) {
+            let (t, x) = (self.narrow.0.t, Point::from(&self.narrow.0.x));
+            return Err(Error::Shrunk { t, x });
+        }
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let Some(jump) = self.tangent.jump(at)? else {

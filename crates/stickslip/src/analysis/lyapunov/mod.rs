@@ -37,6 +37,7 @@
 mod averages;
 mod frame;
 mod measurement;
+mod rounding;
 mod settings;
 mod spectrum;
 mod volume;
@@ -51,6 +52,7 @@ use crate::dynamics::{
 };
 use crate::error::Error;
 use crate::filippov::{Observer, Options, Switched};
+use crate::orbit::Ending;
 use measurement::Measurement;
 
 /// The Lyapunov spectrum of the orbit from `(t0, x0)`; memory does not grow with the length of the
@@ -64,6 +66,11 @@ use measurement::Measurement;
 /// Over an integer number of periods of a periodic orbit, the exponents are those of the Floquet
 /// multipliers to rounding. The transient must have brought orbit and frame onto the orbit.
 /// Otherwise they have an error that falls as one over the duration.
+///
+/// A measurement that ends early, by one of the errors below, yields what it has measured, with the
+/// error in [`Spectrum::ended`]. If it ends before two blocks are complete, or where it shrinks to
+/// a point, the first half of most of the time until then is the transient, and the second half is
+/// measured.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
@@ -92,16 +99,43 @@ pub fn lyapunov_spectrum<Kind>(
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
     let start = Moment { t, x: x.vector() };
-    spectrum_of(&*system.dynamics(), start, settings)
+    let system = &*system.dynamics();
+    let all = system.states();
+    measured_alone(system, start.clone(), settings, all).or_else(|error| {
+        // What ends the transient, or the measurement just after it, leaves the time before.
+        let place = error
+            .place()
+            .filter(|_| !matches!(error, Error::Interrupted { .. }));
+        let time = place.map_or(0.0, |(end, _)| PART_BEFORE_END * (end - start.t));
+        if time <= 0.0 {
+            return Err(error);
+        }
+        let shorter = SpectrumOptions {
+            transient: time,
+            duration: time,
+            ..*settings
+        };
+        match spectrum_of(system, start, &shorter) {
+            Ok(spectrum) => Ok(Spectrum {
+                ended: Some(error),
+                ..spectrum
+            }),
+            Err(_) => Err(error),
+        }
+    })
 }
 
-/// As [`lyapunov_spectrum`].
+/// Part of a time that ends early in which the frame settles, and part that is measured. The last
+/// tenth is left out, as an orbit may be inexact before it is lost. Chosen.
+const PART_BEFORE_END: f64 = 0.45;
+
+/// As [`lyapunov_spectrum`], but a measurement that ends early is an error.
 pub(super) fn spectrum_of(
     system: &dyn Dynamics,
     start: Moment,
     settings: &SpectrumOptions,
 ) -> Result<Spectrum, Error> {
-    measured_alone(system, start, settings, system.states())
+    whole(measured_alone(system, start, settings, system.states())?)
 }
 
 /// The spectrum of so many vectors, without an observer.
@@ -124,7 +158,7 @@ fn measured_alone(
 /// the measured time. Here there is only one vector.
 ///
 /// # Errors
-/// As [`lyapunov_spectrum`].
+/// As [`lyapunov_spectrum`], however much has been measured.
 pub fn largest_exponent<Kind>(
     system: &impl AsDynamics<Kind>,
     (t, x): (f64, impl Components),
@@ -132,7 +166,7 @@ pub fn largest_exponent<Kind>(
 ) -> Result<Exponent, Error> {
     let start = Moment { t, x: x.vector() };
     let system = &*system.dynamics();
-    let alone = measured_alone(system, start.clone(), settings, 1)?.exponents[0];
+    let alone = whole(measured_alone(system, start.clone(), settings, 1)?)?.exponents[0];
     match alone {
         // Other vectors may survive the one that is annihilated.
         Exponent::Annihilated => Ok(spectrum_of(system, start, settings)?.exponents[0]),
@@ -145,7 +179,7 @@ pub fn largest_exponent<Kind>(
 /// so far.
 ///
 /// # Errors
-/// As [`lyapunov_spectrum`].
+/// As [`lyapunov_spectrum`], however much has been measured.
 pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
     system: &S,
     (t, x): (f64, impl Components),
@@ -158,9 +192,10 @@ where
 {
     let start = Moment { t, x: x.vector() };
     let dynamics = Typed::<&S, S, _, _, _, N, G>::new(system);
-    measured(&dynamics, start, (settings, N), |at, t_end, options| {
+    let spectrum = measured(&dynamics, start, (settings, N), |at, t_end, options| {
         observed(system, (at, t_end), options, &mut watcher)
-    })
+    });
+    whole(spectrum?)
 }
 
 /// The spectrum of so many vectors; `begin` begins the measured part of the run.
@@ -178,24 +213,44 @@ fn measured<'a>(
     let mut measurement = Measurement::new(system, settings, count);
     if settings.transient > 0.0 {
         let t_end = start.t + settings.transient;
-        let orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
-        let Summary { t, x, .. } = follow(orbit, &mut measurement)?;
+        let mut orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
+        let Summary { t, x, .. } = follow(&mut *orbit, &mut measurement)?;
         start = Moment { t, x };
     }
     measurement.begin_measuring(start.t);
-    let orbit = begin(&start, start.t + settings.duration, &settings.solver)?;
-    let summary = follow(orbit, &mut measurement)?;
-    Ok(measurement.finish(summary))
+    let mut orbit = begin(&start, start.t + settings.duration, &settings.solver)?;
+    match follow(&mut *orbit, &mut measurement) {
+        Ok(summary) => Ok(measurement.finish(summary, None)),
+        Err(error @ (Error::Interrupted { .. } | Error::Shrunk { .. })) => Err(error),
+        Err(error) => match measurement.reached(2.0 * block) {
+            Some(Moment { t, x }) => {
+                let (ending, counters) = (Ending::Failed, orbit.counters());
+                let summary = Summary {
+                    ending,
+                    t,
+                    x,
+                    counters,
+                };
+                Ok(measurement.finish(summary, Some(error)))
+            }
+            None => Err(error),
+        },
+    }
+}
+
+/// The spectrum of a run that has not ended early.
+fn whole(spectrum: Spectrum) -> Result<Spectrum, Error> {
+    spectrum.ended.clone().map_or(Ok(spectrum), Err)
 }
 
 /// Integrates an orbit with the frame.
 fn follow(
-    mut orbit: Box<dyn OrbitUnderWay + '_>,
+    orbit: &mut dyn OrbitUnderWay,
     measurement: &mut Measurement<'_>,
 ) -> Result<Summary, Error> {
     loop {
         match orbit.step()? {
-            OrbitProgress::Step => measurement.step(&orbit.last_step(), &mut *orbit)?,
+            OrbitProgress::Step => measurement.step(&orbit.last_step(), orbit)?,
             OrbitProgress::Transition(at) => measurement.transition(&at)?,
             OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
             OrbitProgress::End(summary) if summary.ending.is_final() => {

@@ -1,6 +1,7 @@
 //! The result.
 
 use crate::dynamics::Summary;
+use crate::error::Error;
 use crate::math;
 
 /// Half-width of an exponent's confidence interval, in standard errors.
@@ -19,8 +20,9 @@ pub enum Exponent {
     Finite {
         /// The exponent, per unit of time.
         value: f64,
-        /// Standard error from the means of the blocks; infinite when fewer than two were
-        /// completed. It measures the fluctuation along a chaotic orbit, not the end effects of a
+        /// Standard error from the means of the blocks and their correlations; infinite when fewer
+        /// than two were completed. It measures the fluctuation along a chaotic orbit, not the end
+        /// effects of a
         /// non-integer number of periods of a periodic one.
         std_error: f64,
     },
@@ -39,7 +41,7 @@ impl Exponent {
 
     /// Uncertainty of an exponent measured over this time: four standard errors, and at least the
     /// effect of a growth factor of 30. Undamped motion, whose exponents are zero, shows such
-    /// growth.
+    /// growth. [`Spectrum::uncertainties`] also contain what other exponents and rounding do.
     pub fn uncertainty(&self, duration: f64) -> f64 {
         let scatter = UNCERTAINTY_ERRORS * self.std_error().unwrap_or(0.0);
         scatter.max(math::ln(END_GROWTH) / duration)
@@ -69,6 +71,18 @@ pub struct Running {
 pub struct Spectrum {
     /// The exponents in descending order, annihilated ones last.
     pub exponents: Vec<Exponent>,
+    /// Uncertainty of each exponent, zero for an annihilated one. It is [`Exponent::uncertainty`],
+    /// or the following if that is larger. The exponents of a group are those that are equal within
+    /// their uncertainties.
+    /// - Rounding disturbs a frame. A second frame with larger disturbances bounds its effect, the
+    ///   largest of a group for all of them: `ε^(1/m)` of their coupling in a chain of `m`.
+    /// - In a chain of `m` equal exponents, vectors grow by a power of time up to `m − 1` as well,
+    ///   which leaves `(m − 1) ln(t)/t`. Time is counted in transients, and in steps of the solver
+    ///   without one; it is 30 at least.
+    pub uncertainties: Vec<f64>,
+    /// Why the measurement ended before its duration; `None` if it did not. The results are those
+    /// of [`Spectrum::duration`].
+    pub ended: Option<Error>,
     /// The running exponents, equally spaced in time as far as steps allow; the last entry is the
     /// result.
     pub convergence: Vec<Running>,
@@ -91,6 +105,37 @@ pub struct Spectrum {
     pub duration: f64,
     /// How and where the measured run ended, and its work.
     pub summary: Summary,
+}
+
+/// The uncertainties of exponents in descending order, after a time of `span` units in which the
+/// frame settled. `rounding` bounds its effect on the logarithms of growth.
+pub(super) fn uncertainties(
+    exponents: &[Exponent],
+    rounding: &[f64],
+    (duration, span): (f64, f64),
+) -> Vec<f64> {
+    let is_finite = |exponent: &&Exponent| **exponent != Exponent::Annihilated;
+    let finite: Vec<&Exponent> = exponents.iter().take_while(is_finite).collect();
+    let both = finite.iter().zip(rounding);
+    let own = both.map(|(exponent, log)| exponent.uncertainty(duration).max(log / duration));
+    let own: Vec<f64> = own.collect();
+    let numbers: Vec<usize> = (0..finite.len()).collect();
+    let is_one_group = |&i: &usize, &j: &usize| {
+        let apart = finite[i].value() - finite[j].value();
+        apart <= own[i] + own[j]
+    };
+    let mut all = Vec::with_capacity(exponents.len());
+    for group in numbers.chunk_by(is_one_group) {
+        let largest = group.iter().map(|&j| rounding[j]).fold(0.0, f64::max);
+        let power = (group.len() - 1) as f64 * math::ln(span.max(END_GROWTH));
+        all.extend(
+            group
+                .iter()
+                .map(|&j| own[j].max(largest.max(power) / duration)),
+        );
+    }
+    all.resize(exponents.len(), 0.0);
+    all
 }
 
 impl Spectrum {
