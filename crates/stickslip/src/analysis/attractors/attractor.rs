@@ -37,6 +37,9 @@ pub enum AttractorKind {
     Failure(Error),
     /// No decision was possible within the longest time.
     Undecided,
+    /// The orbit lies on an unstable periodic orbit, exactly or on its stable manifold. Neighbours
+    /// leave it. [`super::Attractors::number`] tells it from an attractor.
+    Unstable,
 }
 
 impl AttractorKind {
@@ -52,11 +55,12 @@ impl AttractorKind {
             AttractorKind::TwoFold(_) => "end at a two-fold",
             AttractorKind::Failure(_) => "failure",
             AttractorKind::Undecided => "undecided",
+            AttractorKind::Unstable => "on an unstable orbit",
         }
     }
 
-    /// Whether it is an attractor. Orbits that escape, end, fail or are undecided have reached
-    /// none.
+    /// Whether it is an attractor. Orbits that escape, end, fail, are undecided or
+    /// lie on an unstable orbit have reached none.
     pub fn is_attractor(&self) -> bool {
         matches!(
             self,

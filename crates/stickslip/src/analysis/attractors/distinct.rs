@@ -3,7 +3,9 @@
 use super::attractor::{Attractor, AttractorKind, shifts};
 use super::equilibrium::{distance_bounds, holds};
 use super::recurrent::is_same_set;
-use crate::analysis::cycle::{Outline, Shooting};
+use super::tolerance::SOLVER_TOLERANCES;
+use crate::analysis::cycle::{Cycle, Outline, Shooting};
+use crate::analysis::multipliers;
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
 
@@ -30,7 +32,7 @@ const SAME_CLOSENESSES: f64 = 10.0;
 ///
 /// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of their size.
 /// All escapes count as one attractor. So do all failures, all undecided orbits, all ends where the
-/// boundary repels, and all ends at two-folds.
+/// boundary repels, all ends at two-folds, and all starts on unstable periodic orbits.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
@@ -75,16 +77,34 @@ impl<'a> Attractors<'a> {
     /// The number, counted from 0, of the attractor that an orbit has reached; a new one gets the
     /// next number.
     pub fn number(&mut self, mut attractor: Attractor) -> usize {
-        let mut earlier = self.attractors.iter();
-        let number = earlier.position(|one| self.is_same(one, &attractor));
-        number.unwrap_or_else(|| {
-            if matches!(attractor.kind, AttractorKind::Periodic { .. }) {
-                // Done once: every further orbit is compared with it.
-                attractor.family = Some(self.family(&attractor));
+        let mut number = self.number_of(&attractor);
+        if number.is_none() && matches!(attractor.kind, AttractorKind::Periodic { .. }) {
+            // Done once: every further orbit is compared with it.
+            let cycle = self.cycle_of(&attractor);
+            attractor.family = Some(cycle.as_ref().map_or(0, |cycle| cycle.family));
+            if cycle.is_some_and(|cycle| self.is_unstable(&cycle)) {
+                attractor.kind = AttractorKind::Unstable;
+                number = self.number_of(&attractor);
             }
+        }
+        number.unwrap_or_else(|| {
             self.attractors.push(attractor);
             self.attractors.len() - 1
         })
+    }
+
+    /// The number of an attractor that is known.
+    fn number_of(&self, attractor: &Attractor) -> Option<usize> {
+        let mut earlier = self.attractors.iter();
+        earlier.position(|one| self.is_same(one, attractor))
+    }
+
+    /// Whether a multiplier lies outside the unit circle by more than the error of two that meet on
+    /// it, the square root of that of the solver. In a family that is no criterion.
+    fn is_unstable(&self, cycle: &Cycle) -> bool {
+        let error = SOLVER_TOLERANCES * self.options.rtol.max(self.options.atol);
+        let values = multipliers(&cycle.monodromy);
+        cycle.family == 0 && values.iter().any(|one| one.norm() > 1.0 + error.sqrt())
     }
 
     /// The attractors in the order of their numbers, each as the first orbit reached it.
@@ -129,7 +149,8 @@ impl<'a> Attractors<'a> {
             | (AttractorKind::Escape, AttractorKind::Escape)
             | (AttractorKind::Repelling, AttractorKind::Repelling)
             | (AttractorKind::Failure(_), AttractorKind::Failure(_))
-            | (AttractorKind::Undecided, AttractorKind::Undecided) => true,
+            | (AttractorKind::Undecided, AttractorKind::Undecided)
+            | (AttractorKind::Unstable, AttractorKind::Unstable) => true,
             _ => false,
         }
     }
@@ -144,11 +165,16 @@ impl<'a> Attractors<'a> {
     /// Dimension of the family to which a periodic orbit belongs; 0 for an isolated orbit and for
     /// other kinds of motion.
     pub fn family(&self, attractor: &Attractor) -> usize {
+        let computed = || self.cycle_of(attractor).map_or(0, |cycle| cycle.family);
+        attractor.family.unwrap_or_else(computed)
+    }
+
+    /// The periodic orbit that is the attractor, by shooting.
+    fn cycle_of(&self, attractor: &Attractor) -> Option<Cycle> {
         let is_periodic = matches!(attractor.kind, AttractorKind::Periodic { .. })
             && self.is_of_system(attractor);
-        let first = attractor.points.first().filter(|_| is_periodic);
-        let near = |at| self.family_near(at, attractor.period(), f64::INFINITY);
-        attractor.family.unwrap_or_else(|| first.map_or(0, near))
+        let first = attractor.points.first().filter(|_| is_periodic)?;
+        self.cycle_near(first, attractor.period(), f64::INFINITY)
     }
 
     /// Whether two periodic orbits belong to one family: another of its orbits lies midway between
@@ -166,23 +192,20 @@ impl<'a> Attractors<'a> {
             let x = (&a.x + &b.x) * 0.5;
             let middle = Moment { t: a.t, x };
             let period = 0.5 * (one.period() + other.period());
-            self.family(one) > 0 && self.family_near(&middle, period, away(b)) > 0
+            let between = || self.cycle_near(&middle, period, away(b));
+            self.family(one) > 0 && between().is_some_and(|cycle| cycle.family > 0)
         })
     }
 
-    /// Dimension of the family of the periodic orbit near a point, with a period near the given
-    /// one. It is 0 if the orbit does not lie within half of the distance.
-    fn family_near(&self, at: &Moment, period: f64, distance: f64) -> usize {
-        let dimension = || {
-            let (system, options) = (&*self.system, &self.options);
-            let guess = Outline::of_run(system, at, period, options).ok()?;
-            let forced = self.forcing.is_some().then_some(period);
-            let shooting = Shooting::of(system, &guess, forced, options);
-            let orbit = shooting.nearest(&guess, None)?;
-            let shift = &orbit.outline.begin.x - &guess.begin.x;
-            (shift.norm() < 0.5 * distance).then_some(orbit.family)
-        };
-        dimension().unwrap_or(0)
+    /// The periodic orbit near a point, with a period near the given one, if it lies within half of
+    /// the distance.
+    fn cycle_near(&self, at: &Moment, period: f64, distance: f64) -> Option<Cycle> {
+        let (system, options) = (&*self.system, &self.options);
+        let guess = Outline::of_run(system, at, period, options).ok()?;
+        let forced = self.forcing.is_some().then_some(period);
+        let orbit = Shooting::of(system, &guess, forced, options).nearest(&guess, None)?;
+        let shift = &orbit.outline.begin.x - &guess.begin.x;
+        (shift.norm() < 0.5 * distance).then_some(orbit)
     }
 
     /// Whether the points are the same up to a cyclic shift.

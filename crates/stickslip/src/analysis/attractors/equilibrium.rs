@@ -145,6 +145,10 @@ pub(crate) fn equations(
     let rounding = ROUNDING * jacobian.amax();
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
+        // A rate that no state changes has no zero.
+        if size == 0.0 && *right != 0.0 && !mode.any_sticks() {
+            return None;
+        }
         let per_size = if size > rounding { 1.0 / size } else { 0.0 };
         row *= per_size;
         *right *= per_size;

@@ -137,7 +137,7 @@ impl<'a> Search<'a> {
                 None
             }
             Ok(OrbitProgress::Kink(_)) => None,
-            Ok(OrbitProgress::Transition(at)) => self.transition(&at),
+            Ok(OrbitProgress::Transition(at)) => self.transition(&at, orbit.x()),
             Ok(OrbitProgress::End(summary)) => Some(self.ended(summary, orbit.mode())),
             Err(error) => Some(self.failed(error, orbit)),
         };
@@ -204,7 +204,12 @@ impl<'a> Search<'a> {
         equilibrium + away * part
     }
 
-    fn transition(&mut self, at: &Transition) -> Option<(AttractorKind, Vec<Moment>)> {
+    /// Records a transition, after which the orbit is at `after`: elsewhere, if it jumps.
+    fn transition(
+        &mut self,
+        at: &Transition,
+        after: &[f64],
+    ) -> Option<(AttractorKind, Vec<Moment>)> {
         if at.kind == TransitionKind::Touch {
             return None;
         }
@@ -213,15 +218,17 @@ impl<'a> Search<'a> {
         self.newton_delay = (1, 0);
         self.history.transition(at);
         (at.kind, at.from, at.to, at.contact).hash(&mut self.tag);
-        if self.source == PointSource::Events {
-            return None;
+        let mut pattern = None;
+        if self.source == PointSource::Transitions {
+            // Extrema are used only if there are no transitions for long.
+            self.at_events.clear();
+            let (tag, extent) = self.since_last(at.x.as_slice());
+            let counts = self.history.counts();
+            pattern = self.at_transitions.add(at.moment(), tag, counts, extent);
         }
-        // Extrema are used only if there are no transitions for long.
-        self.at_events.clear();
-        let (tag, extent) = self.since_last(at.x.as_slice());
-        let at = at.moment();
-        let counts = self.history.counts();
-        let pattern = self.at_transitions.add(at, tag, counts, extent);
+        self.extent_since_point.include(after);
+        self.extent.include(after);
+        self.previous.copy_from_slice(after);
         self.close(pattern, PointSource::Transitions)
     }
 

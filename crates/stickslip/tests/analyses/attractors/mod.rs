@@ -13,6 +13,7 @@ use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, mat
 use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
+use crate::lyapunov_jumps::system;
 use crate::smooth::{Lorenz, Smooth};
 
 pub mod systems;
@@ -591,4 +592,52 @@ fn ends_and_failures_are_kinds_and_bad_settings_errors() {
         }),
         "kept"
     );
+}
+
+/// An integrate-and-fire neuron fires after `ln(I/(I - 1))`; a clock that is set back ticks.
+#[test]
+fn what_returns_after_a_jump_is_periodic() {
+    let fires = |rate: &str| {
+        let text = format!(
+            "name = \"resets\"\n[states]\nx = \"\"\n[field]\nx = \"{rate}\"\n[jumps.back]\n\
+             when = \"x - 1\"\ndirection = \"rising\"\nset = {{ x = \"0\" }}\n"
+        );
+        let options = Options::tol(1e-10);
+        let found = attractor(system(&text).dynamics(), [0.3], &within(500.0), &options).unwrap();
+        let AttractorKind::Periodic { returns: 1, period } = found.kind else {
+            panic!("{rate}: {}", found.kind);
+        };
+        period
+    };
+    assert!((fires("1") - 1.0).abs() < 1e-9);
+    for current in [1.1, 1.15, 1.2, 1.5, 2.0, 3.0, 10.0] {
+        let period = math::ln(current / (current - 1.0));
+        let found = fires(&format!("{current} - x"));
+        assert!((found / period - 1.0).abs() < 1e-8, "{current}: {found}");
+    }
+}
+
+/// A pendulum with a moving pivot: the state of rest is unstable, and an orbit of twice the period
+/// attracts.
+#[test]
+fn a_start_on_an_unstable_orbit_reaches_no_attractor() {
+    let text = "name = \"pivot\"\n[time]\nperiod = \"2*pi\"\n[states]\nx = \"\"\nv = \"\"\n\
+                [field]\nx = \"v\"\nv = \"-(0.25 + 0.4*cos(t))*x - x^3 - 0.2*v\"\n";
+    let system = system(text);
+    let (settings, options) = (within(2000.0).forced(2.0 * PI), Options::tol(1e-10));
+    let mut known = Attractors::new(system.dynamics(), &settings, &options);
+    let number = |known: &mut Attractors<'_>, start: [f64; 2]| {
+        let found = attractor(system.dynamics(), start, &settings, &options).unwrap();
+        known.number(found)
+    };
+    assert_eq!(number(&mut known, [0.5, 0.3]), 0);
+    assert_eq!(number(&mut known, [0.0, 0.0]), 1);
+    assert_eq!(number(&mut known, [0.0, 0.0]), 1);
+    assert!(
+        known.all()[0].kind.is_attractor(),
+        "{}",
+        known.all()[0].kind
+    );
+    assert_eq!(known.all()[1].kind, AttractorKind::Unstable);
+    assert!(!AttractorKind::Unstable.is_attractor());
 }
