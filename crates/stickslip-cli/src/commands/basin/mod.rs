@@ -201,14 +201,22 @@ impl Sweep for Basin {
         // Attractors come first, by number; outcomes that are no attractor follow.
         let mut in_order: Vec<&OutcomeShare> = attractors.iter().collect();
         in_order.sort_by_key(|one| one.number.is_none());
-        for one in &in_order {
+        let words: Vec<String> = in_order
+            .iter()
+            .map(|one| attractors::words(system, &one.reached, self.until))
+            .collect();
+        for (one, own) in in_order.iter().zip(&words) {
+            // A state tells apart what has the same words.
+            let is_alone = words.iter().filter(|other| *other == own).count() == 1;
+            let state = one.reached.points.first().filter(|_| !is_alone);
+            let state = state.map(|at| format!(", through {}", state_words(at.x.as_slice())));
             let number = one.number.map(|number| number.to_string());
             report.note(format!(
-                "{:>9}  {:.4}      {:.4}  {}",
+                "{:>9}  {:.4}      {:.4}  {own}{}",
                 number.as_deref().unwrap_or("none"),
                 one.share,
                 one.std_error,
-                attractors::words(system, &one.reached, self.until)
+                state.as_deref().unwrap_or_default()
             ));
             if let (Some(at), 1..) = (one.reached.points.first(), one.family()) {
                 let family = attractors::family_words(one.family());
@@ -246,7 +254,7 @@ struct OutcomeShare {
     starts: usize,
     /// Fraction of all starts.
     share: f64,
-    /// Standard error of the fraction, for starts drawn at random.
+    /// Standard error of the fraction: [`Points::std_error`].
     std_error: f64,
 }
 
@@ -312,18 +320,15 @@ impl Basin {
             starts[attractor as usize] += 1;
         }
         let (numbers, all) = (numbers_of(&known), reached.len() as f64);
-        let share_of = |((reached, number), starts): ((Attractor, _), usize)| {
-            let share = starts as f64 / all;
-            OutcomeShare {
-                reached,
-                number,
-                starts,
-                share,
-                std_error: (share * (1.0 - share) / all).sqrt(),
-            }
+        let share_of = |(k, attractor): (usize, Attractor)| OutcomeShare {
+            reached: attractor,
+            number: numbers[k],
+            starts: starts[k],
+            share: starts[k] as f64 / all,
+            std_error: self.points.std_error(&reached, k as u32),
         };
-        let attractors = known.into_iter().zip(numbers).zip(starts);
-        Ok((attractors.map(share_of).collect(), reached))
+        let attractors = known.into_iter().enumerate().map(share_of).collect();
+        Ok((attractors, reached))
     }
 
     fn json(&self, one: &OutcomeShare, system: &System) -> Value {
