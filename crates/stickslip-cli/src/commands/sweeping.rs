@@ -38,22 +38,24 @@ pub(super) struct SweepArguments {
 /// Whether to resume from the blocks on disk.
 #[derive(Debug, clap::Args)]
 pub(super) struct ResumeArguments {
-    /// Begin anew: remove what an earlier run of this command has saved in sweep/
+    /// Begin anew: remove what an earlier run of this command has saved in sweep/, also with other
+    /// options; with --shard only this share of the same sweep
     #[arg(long)]
-    fresh: bool,
+    pub(super) fresh: bool,
 }
 
 impl ResumeArguments {
-    /// Removes the saved blocks of a share, if the command is to begin anew.
+    /// Removes the saved sweep, or the blocks of a share, if the command is to begin anew.
     pub(super) fn prepare(
         &self,
         folder: &Path,
         plan: &Plan,
         share: Share,
     ) -> Result<(), SweepError> {
-        match self.fresh {
-            true => Writer::open(folder, plan, share)?.remove_blocks(share),
-            false => Ok(()),
+        match (self.fresh, share.is_whole()) {
+            (true, true) => Writer::remove_sweep(folder, &plan.command),
+            (true, false) => Writer::open(folder, plan, share)?.remove_blocks(share),
+            (false, _) => Ok(()),
         }
     }
 }

@@ -55,8 +55,8 @@ pub enum SweepError {
     },
     /// The folder holds another sweep.
     #[error("{} holds another sweep: {what} was {old} there and is {new} now; old and new blocks \
-        are not mixed: give the old value to resume it, delete the folder, or choose another \
-        with --out", folder.display())]
+        are not mixed: give the old value to resume it, begin anew with --fresh (of another \
+        command delete the folder), or choose another with --out", folder.display())]
     Differs {
         /// The folder of the sweep.
         folder: PathBuf,

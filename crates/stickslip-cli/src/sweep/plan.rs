@@ -20,7 +20,7 @@ use super::error::SweepError;
 pub(super) const MANIFEST: &str = "manifest.json";
 
 /// Version of the file format.
-const FORMAT_VERSION: u32 = 7;
+const FORMAT_VERSION: u32 = 8;
 
 /// The program and its version. Other versions may compute different bits.
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
@@ -96,19 +96,14 @@ impl Plan {
     /// # Errors
     /// [`SweepError::Read`], [`SweepError::BadManifest`].
     pub(super) fn read(folder: &Path) -> Result<Option<Self>, SweepError> {
-        let path = folder.join(MANIFEST);
-        let bytes = match fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(error) if is_absent(&error) => return Ok(None),
-            Err(source) => return Err(SweepError::Read { path, source }),
-        };
         let bad = |reason: String| SweepError::BadManifest {
-            path: path.clone(),
+            path: folder.join(MANIFEST),
             reason,
         };
+        let Some(value) = Self::value_in(folder)? else {
+            return Ok(None);
+        };
         // The version is checked first: another one may have other fields.
-        let value: Value =
-            serde_json::from_slice(&bytes).map_err(|error| bad(error.to_string()))?;
         match value.get("format").and_then(Value::as_u64) {
             Some(format) if format == u64::from(FORMAT_VERSION) => {}
             Some(format) => {
@@ -126,6 +121,28 @@ impl Plan {
             ));
         }
         Ok(Some(plan))
+    }
+
+    /// The command of the sweep in `folder`, of any version of the format; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`], [`SweepError::BadManifest`].
+    pub(super) fn command_in(folder: &Path) -> Result<Option<String>, SweepError> {
+        let value = Self::value_in(folder)?;
+        Ok(value.map(|value| value["command"].as_str().unwrap_or_default().to_owned()))
+    }
+
+    /// The manifest in `folder`, if there is one.
+    fn value_in(folder: &Path) -> Result<Option<Value>, SweepError> {
+        let path = folder.join(MANIFEST);
+        match fs::read(&path) {
+            Ok(bytes) => serde_json::from_slice(&bytes).map(Some).map_err(|error| {
+                let reason = error.to_string();
+                SweepError::BadManifest { path, reason }
+            }),
+            Err(error) if is_absent(&error) => Ok(None),
+            Err(source) => Err(SweepError::Read { path, source }),
+        }
     }
 
     /// The bytes on disk.

@@ -188,34 +188,41 @@ impl Writer {
         })
     }
 
-    /// Removes the blocks of a share, so that it is computed anew. With the whole sweep, blocks
-    /// beyond those of the plan are removed too.
+    /// Removes the blocks of a share, so that it is computed anew.
     ///
     /// # Errors
-    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Busy`] while another process is
-    /// at work on a share.
+    /// [`SweepError::Write`].
     pub fn remove_blocks(&self, share: Share) -> Result<(), SweepError> {
-        let folder = &self.store.folder;
-        let mut locks = Vec::new();
-        let paths: Vec<PathBuf> = if share.is_whole() {
-            for (share, staging) in shares_begun(folder)? {
-                if staging != self.staging {
-                    locks.push(lock(&staging, share, folder, &[])?);
-                }
-            }
-            let names = block_names(folder)?.into_iter();
-            names.map(|name| blocks(folder).join(name)).collect()
-        } else {
-            let chains = share.chains(&self.store.plan).flatten();
-            chains.map(|block| self.store.path(block)).collect()
+        let mut chains = share.chains(&self.store.plan).flatten();
+        chains.try_for_each(|block| remove(&self.store.path(block)))
+    }
+
+    /// Removes a whole sweep of this command, whatever its arguments, with its manifest.
+    ///
+    /// # Errors
+    /// [`SweepError::Read`], [`SweepError::Write`]; [`SweepError::Differs`] if the sweep is of
+    /// another command, [`SweepError::NoManifest`] if nothing says what it is of,
+    /// [`SweepError::Busy`] while another process is at work on a share.
+    pub fn remove_sweep(folder: &Path, command: &str) -> Result<(), SweepError> {
+        let Some(old) = Plan::command_in(folder)? else {
+            return is_empty(folder).map(drop);
         };
-        for path in paths {
-            match fs::remove_file(&path) {
-                Err(error) if !is_absent(&error) => return Err(SweepError::write(&path)(error)),
-                _ => {}
-            }
+        if old != command {
+            return Err(SweepError::Differs {
+                folder: folder.to_owned(),
+                what: "the command".to_owned(),
+                old: format!("`{old}`"),
+                new: format!("`{command}`"),
+            });
         }
-        Ok(())
+        let begun = shares_begun(folder)?.into_iter();
+        let locks = begun.map(|(share, staging)| lock(&staging, share, folder, &[]));
+        let _locks = locks.collect::<Result<Vec<_>, _>>()?;
+        for name in block_names(folder)? {
+            remove(&blocks(folder).join(name))?;
+        }
+        // The manifest goes last: a kill before leaves a sweep with fewer blocks.
+        remove(&folder.join(MANIFEST))
     }
 
     /// Writes a block, either completely or not at all. It replaces a previous version.
@@ -265,7 +272,10 @@ fn block_names(folder: &Path) -> Result<Vec<String>, SweepError> {
 /// The shares that have begun, each with the folder of its lock.
 fn shares_begun(folder: &Path) -> Result<Vec<(Share, PathBuf)>, SweepError> {
     let path = folder.join("work");
-    let entries = fs::read_dir(&path).map_err(SweepError::read(&path))?;
+    let entries = match fs::read_dir(&path) {
+        Err(error) if is_absent(&error) => return Ok(Vec::new()),
+        entries => entries.map_err(SweepError::read(&path))?,
+    };
     let mut begun = Vec::new();
     for entry in entries {
         let entry = entry.map_err(SweepError::read(&path))?;
@@ -289,8 +299,25 @@ fn is_free(folder: &Path, wanted: &Plan) -> Result<bool, SweepError> {
             old,
             new,
         }),
-        None if block_names(&folder)?.is_empty() => Ok(true),
-        None => Err(SweepError::NoManifest { folder }),
+        None => is_empty(&folder),
+    }
+}
+
+/// Checks that a folder without manifest holds no blocks.
+fn is_empty(folder: &Path) -> Result<bool, SweepError> {
+    match block_names(folder)?.is_empty() {
+        true => Ok(true),
+        false => Err(SweepError::NoManifest {
+            folder: folder.to_owned(),
+        }),
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(path: &Path) -> Result<(), SweepError> {
+    match fs::remove_file(path) {
+        Err(error) if !is_absent(&error) => Err(SweepError::write(path)(error)),
+        _ => Ok(()),
     }
 }
 

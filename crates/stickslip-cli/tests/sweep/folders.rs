@@ -119,14 +119,14 @@ fn a_manifest_that_is_gone_or_damaged_is_reported() {
         assert!(error.to_string().contains(wanted), "{error}");
     };
     message("no manifest.json");
-    let other_format = sound.replace("\"format\": 7", "\"format\": 6");
+    let other_format = sound.replace("\"format\": 8", "\"format\": 7");
     assert_ne!(other_format, sound);
     let other_text = sound.replace("mu = 0.3", "mu = 0.4");
     let other_program = sound.replace("stickslip 0.", "stickslip 9.");
     for (text, wanted) in [
         (&sound[..sound.len() / 2], "cannot be read"),
         ("{}", "it has no format"),
-        (&other_format, "its format is 6, and this one reads 7"),
+        (&other_format, "its format is 7, and this one reads 8"),
         (&other_text, "not the one that its hash is of"),
         (&other_program, "the program was `stickslip 9."),
     ] {
@@ -217,16 +217,21 @@ fn blocks_of_a_share_that_another_process_computes_are_not_removed() {
     let blocks = || fs::read_dir(folder.path().join("blocks")).unwrap().count();
     assert_eq!(blocks(), plan.blocks());
     let begun = Writer::open(folder.path(), &plan, Share::new(1, 2).unwrap()).unwrap();
-    let whole = Writer::open(folder.path(), &plan, Share::WHOLE).unwrap();
-    let error = whole.remove_blocks(Share::WHOLE).unwrap_err();
+    let removed = |command: &str| Writer::remove_sweep(folder.path(), command);
+    let error = removed(&plan.command).unwrap_err();
     assert!(
         matches!(&error, SweepError::Busy { share, .. } if share == "1/2"),
         "{error}"
     );
     assert_eq!(blocks(), plan.blocks());
     drop(begun);
-    whole.remove_blocks(Share::WHOLE).unwrap();
+    let error = removed("another").unwrap_err();
+    assert!(matches!(error, SweepError::Differs { .. }), "{error}");
+    assert_eq!(blocks(), plan.blocks());
+    removed(&plan.command).unwrap();
     assert_eq!(blocks(), 0);
+    // Without its manifest the folder is free for another sweep.
+    Writer::check(folder.path(), &super::common::plan(3, 1)).unwrap();
 }
 
 /// What a command reports about its blocks: how many it has computed and found.
@@ -272,4 +277,14 @@ fn a_branch_begins_anew_on_request() {
         .success();
     assert!(!further.exists());
     assert_eq!(text(folder.path().join("out/branch.csv")), table);
+    // Also with other options, and before a branch of equilibria, which saves nothing.
+    let mut longer = branch.to_vec();
+    longer.extend(["--step", "0.05"]);
+    program(folder.path()).args(&longer).assert().failure();
+    longer.push("--fresh");
+    program(folder.path()).args(&longer).assert().success();
+    assert!(text(folder.path().join("out/branch.csv")) != table);
+    longer.extend(["--equilibrium", "--set", "vp=2", "--start", "x=0.4,y=0"]);
+    program(folder.path()).args(&longer).output().unwrap();
+    assert!(!folder.path().join("out/sweep/manifest.json").exists());
 }

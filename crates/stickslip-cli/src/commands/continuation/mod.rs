@@ -73,7 +73,7 @@ pub(super) struct Arguments {
     points: NonZeroUsize,
 
     /// Follow the equilibrium that the run approaches, or with --transient 0 the one near the start
-    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest", "fresh"])]
+    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest"])]
     equilibrium: bool,
 
     #[command(flatten)]
@@ -86,6 +86,9 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     if arguments.equilibrium {
+        if arguments.resume.fresh {
+            Writer::remove_sweep(&folder(&arguments.run.output.out), COMMAND)?;
+        }
         return arguments
             .run
             .with_report(|prepared| equilibria(arguments, prepared));
@@ -131,6 +134,9 @@ struct BranchArguments<'a> {
     solver: &'a SolverArguments,
 }
 
+/// The command in the manifest of a branch.
+const COMMAND: &str = "continue";
+
 /// Number of directions along the branch. Each is saved in a block.
 const DIRECTIONS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
 
@@ -155,9 +161,11 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
         start: &arguments.run.start,
         solver: &arguments.run.solver,
     };
-    let plan = plan("continue", &wanted, (DIRECTIONS, NonZeroUsize::MIN), system)?;
+    let plan = plan(COMMAND, &wanted, (DIRECTIONS, NonZeroUsize::MIN), system)?;
     let folder = folder(&arguments.run.output.out);
-    Writer::check(&folder, &plan)?;
+    if !arguments.resume.fresh {
+        Writer::check(&folder, &plan)?;
+    }
     let (orbit, _) = arguments
         .search
         .periodic_orbit(system, (prepared.t, &prepared.x), options)?;
