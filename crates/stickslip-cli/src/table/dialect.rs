@@ -60,13 +60,18 @@ impl Dialect {
         Ok((dialect, None))
     }
 
-    /// The cells of a line, without spaces around them and without quotes.
+    /// The cells of a line, without spaces around them and without quotes, within which separators
+    /// do not count.
     pub(super) fn cells(&self, line: &str) -> StringRecord {
-        match self.separator {
-            None => line.split_whitespace().map(unquoted).collect(),
-            Some(separator) if line.contains('"') => quoted(line, separator),
-            Some(separator) => line.split(separator).map(str::trim).collect(),
-        }
+        let mut is_quoted = false;
+        let cells = line.split(|c: char| {
+            is_quoted ^= c == '"';
+            let separates = self.separator.map_or(c.is_whitespace(), |one| c == one);
+            separates && !is_quoted
+        });
+        let is_cell = |cell: &&str| self.separator.is_some() || !cell.is_empty();
+        let cells = cells.map(str::trim).filter(is_cell);
+        cells.map(unquoted).collect()
     }
 
     /// The names in a comment, if there are `count` and none is a number. Properties of the file as
@@ -171,20 +176,9 @@ fn with_point(cell: &str) -> Option<String> {
     (begins && goes_on && parse(&pointed).is_some()).then_some(pointed)
 }
 
+/// A cell without its quotes, single or double ones.
 fn unquoted(cell: &str) -> &str {
-    let inside = cell.strip_prefix('"');
-    let inside = inside.and_then(|cell| cell.strip_suffix('"'));
-    inside.unwrap_or(cell)
-}
-
-/// Splits a line with quotes, within which separators do not count.
-fn quoted(line: &str, separator: char) -> StringRecord {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .trim(csv::Trim::All)
-        .delimiter(u8::try_from(separator).unwrap_or(b','))
-        .from_reader(line.as_bytes());
-    let record = reader.records().next().and_then(Result::ok);
-    // This cannot fail: the line is text and not empty.
-    record.unwrap_or_else(|| StringRecord::from(vec![line]))
+    let inside = |quote: char| cell.strip_prefix(quote)?.strip_suffix(quote);
+    let inside = inside('"').or_else(|| inside('\''));
+    inside.map_or(cell, str::trim)
 }

@@ -168,12 +168,32 @@ pub fn parse(
     {
         sample.push((number, text.to_owned()));
     }
-    let Some((line, first)) = sample.first() else {
+    let Some((line, _)) = sample.first() else {
         return Err(TableError::empty(&input));
     };
     let (dialect, note) = Dialect::sense(sample.iter().map(|(_, text)| text.as_str()))
         .map_err(|cause| TableError::File(format!("{input}, line {line}: {cause}")))?;
-    let cells = dialect.cells(first);
+    let mut cells = dialect.cells(&sample[0].1);
+    let mut skipped = None;
+    if let Some(Header {
+        names,
+        rows,
+        columns,
+    }) = Header::of(&sample, &dialect)
+    {
+        skipped = Some(format!(
+            "line {} is read as names of columns, and of the lines down to {} nothing else",
+            sample[names].0,
+            sample[rows - 1].0
+        ));
+        // Names of columns without numbers may follow, as of comments.
+        cells = dialect
+            .cells(&sample[names].1)
+            .iter()
+            .take(columns)
+            .collect();
+        sample.drain(1..rows);
+    }
     let count = cells.len();
     // A header is a first line without numbers.
     let is_header = cells.iter().all(|cell| dialect.number(cell).is_none());
@@ -184,6 +204,7 @@ pub fn parse(
         comment.and_then(|text| dialect.header(text, count))
     };
     let names = header.map(|names| names.iter().map(str::to_owned).collect());
+    let first_row = sample.get(usize::from(is_header)).map_or(0, |row| row.0);
     let mut rows = Rows::new(&input, count, names, wanted)?;
     for (number, text) in sample.iter().skip(usize::from(is_header)) {
         rows.push(*number, &dialect.cells(text), &dialect)?;
@@ -193,13 +214,51 @@ pub fn parse(
     }
     let mut table = rows.finish(dt)?;
     table.notes.extend(note.map(str::to_owned));
-    table.notes.extend(lines.gap.map(|line| {
+    table.notes.extend(skipped);
+    // Lines of a header may be apart.
+    let gap = lines.gap.filter(|line| *line > first_row);
+    table.notes.extend(gap.map(|line| {
         format!(
             "line {line} is blank, and the numbers behind it are read as the same series: cut the \
                 file there if they are another one"
         )
     }));
     Ok(table)
+}
+
+/// A header of several lines: the line of names and the first row of numbers, counted from 0, and
+/// the number of columns there.
+struct Header {
+    names: usize,
+    rows: usize,
+    columns: usize,
+}
+
+impl Header {
+    /// The header, where lines stand above the names or a line of units below them. Both have no
+    /// number and a cell for each column.
+    fn of(sample: &[(u64, String)], dialect: &Dialect) -> Option<Self> {
+        let cells = |at: usize| Some(dialect.cells(&sample.get(at)?.1));
+        let is_number = |cell: &&str| dialect.number(cell).is_some();
+        let mut lines = sample.iter().map(|(_, line)| dialect.cells(line));
+        let rows = lines.position(|row| row.iter().all(|cell| is_number(&cell)))?;
+        let columns = cells(rows)?.len();
+        let names_columns = |above: usize| {
+            let line = rows.checked_sub(above).and_then(cells);
+            line.is_some_and(|line| line.len() >= columns && !line.iter().any(|c| is_number(&c)))
+        };
+        let below = match (names_columns(1), names_columns(2)) {
+            (true, true) => 2,
+            (true, false) => 1,
+            _ => return None,
+        };
+        let names = rows - below;
+        (rows > 1).then_some(Header {
+            names,
+            rows,
+            columns,
+        })
+    }
 }
 
 impl Table {
@@ -301,6 +360,95 @@ impl Table {
                 readable(self.values[column])
             ));
             self.leave_out(column);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, dt: Option<f64>) -> Table {
+        let table = parse("f".into(), text.as_bytes(), &[], dt);
+        table.unwrap_or_else(|error| panic!("{text:?}: {error}"))
+    }
+
+    #[test]
+    fn headers_of_several_lines_and_units_are_read() {
+        let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n\n\
+            ***End_of_Header***\nX_Value\tu\tComment\n0.0\t1.5\n0.5\t2.5\n1.0\t3.0\n";
+        for (text, names, values) in [
+            (
+                "t,x\ns,V\n0,0.1\n1,0.2\n2,0.4\n",
+                vec!["x"],
+                vec![0.1, 0.2, 0.4],
+            ),
+            (
+                "run 7\n\nt;x\n[s];[V]\n0;1\n1;2\n2;5\n",
+                vec!["x"],
+                vec![1.0, 2.0, 5.0],
+            ),
+            (
+                labview,
+                vec!["X_Value", "u"],
+                vec![0.0, 1.5, 0.5, 2.5, 1.0, 3.0],
+            ),
+        ] {
+            let table = read(text, Some(1.0).filter(|_| names.len() > 1));
+            assert_eq!(
+                (&table.names[..], &table.values),
+                (
+                    &names[..].iter().map(|n| n.to_string()).collect::<Vec<_>>()[..],
+                    &values
+                )
+            );
+            assert!(table.notes[0].contains("nothing else"), "{:?}", table.notes);
+        }
+        // A wrong number in the first row is no header.
+        let wrong = parse("f".into(), "t,x\n0,O.1\n1,0.2\n".as_bytes(), &[], None);
+        assert!(
+            wrong
+                .unwrap_err()
+                .to_string()
+                .contains("line 2, column 2 (x)")
+        );
+    }
+
+    #[test]
+    fn names_lose_their_quotes() {
+        for text in [
+            "\"t\", \"x, y\"\n0,1\n1,2\n",
+            "'t';\"x, y\"\n0;1\n1;2\n",
+            "\"t\"  \"x, y\"\n0 1\n1 2\n",
+        ] {
+            assert_eq!(read(text, None).names, ["x, y"], "{text:?}");
+        }
+    }
+
+    #[test]
+    fn times_that_are_even_up_to_their_rounding_are_even() {
+        let rounded = |step: f64, lost: usize, name: &str| {
+            let rows = (0..40).filter(|k| *k != lost);
+            let rows = rows.map(|k| format!("{:.3},{}\n", step * k as f64, k * k % 7));
+            format!("{name},x\n") + &rows.collect::<String>()
+        };
+        let third = rounded(1.0 / 30.0, 40, "t");
+        for dt in [None, Some(1.0 / 30.0), Some(0.0333)] {
+            let table = read(&third, dt);
+            assert_eq!(table.names, ["x"]);
+            assert!((table.dt - 1.0 / 30.0).abs() < 1e-4, "{}", table.dt);
+        }
+        // By another name it is a coordinate, with a word.
+        let other = read(&rounded(1.0 / 30.0, 40, "Zeit"), Some(1.0 / 30.0));
+        assert_eq!(other.even_columns().next().unwrap().0, 0);
+        // A lost row is a gap however the times are rounded.
+        for dt in [None, Some(1.0 / 30.0)] {
+            let lost = rounded(1.0 / 30.0, 20, "t");
+            let refused = parse("f".into(), lost.as_bytes(), &[], dt).unwrap_err();
+            assert!(
+                refused.to_string().contains("the time goes from"),
+                "{refused}"
+            );
         }
     }
 }

@@ -194,7 +194,9 @@ impl<'a> Rows<'a> {
 
     /// Checks that all time steps are `dt`. The error describes the first that differs.
     fn holds(&self, dt: f64) -> Result<(), TableError> {
-        let Some(gap) = time::first_gap(self.times.iter().map(|row| row.1), dt) else {
+        let times = self.times.iter().map(|row| row.1);
+        let gap = time::first_gap(times.clone(), dt);
+        let Some(gap) = gap.filter(|_| !time::is_even(times, dt)) else {
             return Ok(());
         };
         let [(_, from), (line, to)] = [self.times[gap - 1], self.times[gap]];

@@ -9,6 +9,10 @@ const STEP_TOLERANCE: f64 = 0.01;
 /// that changes it by no more.
 const PRINTING_ERROR: f64 = 1e-9;
 
+/// Fewest values that show that uneven steps are rounded even ones. Chosen: a few values of any
+/// column lie within the rounding of a line.
+const ROUNDED_VALUES: usize = 10;
+
 /// The median of the steps between values; `None` for fewer than two values.
 pub(super) fn middle_step(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let pairs = values.clone().zip(values.skip(1));
@@ -22,6 +26,33 @@ pub(super) fn first_gap(values: impl Iterator<Item = f64> + Clone, step: f64) ->
     Some(row)
 }
 
+/// Whether values go on by `step`, or by a mean step that their rounding hides in it. Rounded times
+/// lie on a grid that is finer than the step, and off the even ones by less than its distance.
+pub(super) fn is_even(values: impl DoubleEndedIterator<Item = f64> + Clone, step: f64) -> bool {
+    if first_gap(values.clone(), step).is_none() {
+        return true;
+    }
+    let mut sorted: Vec<f64> = values.clone().collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let (Some(grid), Some(mean)) = (common_step(&sorted), mean_step(values.clone())) else {
+        return false;
+    };
+    let deviates_below = |step: f64, most: f64| {
+        let away = (0u32..).zip(values.clone());
+        let away = away.map(|(k, value)| value - f64::from(k) * step);
+        let (low, high) = away.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), one| {
+            (low.min(one), high.max(one))
+        });
+        high - low < (1.0 - PRINTING_ERROR) * most
+    };
+    // The mean itself is off by the rounding of both ends, and a lost row by a whole step.
+    let is_near = agree(mean, step) || (mean - step).abs() <= grid;
+    sorted.len() >= ROUNDED_VALUES
+        && grid < 0.5 * step.abs()
+        && (deviates_below(step, grid) || is_near && deviates_below(mean, 2.0 * grid))
+}
+
 /// The mean step of values; `None` for fewer than two values.
 pub(super) fn mean_step(mut values: impl DoubleEndedIterator<Item = f64> + Clone) -> Option<f64> {
     let steps = values.clone().count().checked_sub(1)?;
@@ -32,8 +63,7 @@ pub(super) fn mean_step(mut values: impl DoubleEndedIterator<Item = f64> + Clone
 /// The step of values that rise or fall evenly. Two values always do.
 pub(super) fn even_step(values: impl DoubleEndedIterator<Item = f64> + Clone) -> Option<f64> {
     let step = mean_step(values.clone()).filter(|step| *step != 0.0)?;
-    let is_even = values.clone().count() > 2 && first_gap(values, step).is_none();
-    is_even.then_some(step)
+    (values.clone().count() > 2 && is_even(values, step)).then_some(step)
 }
 
 /// The common divisor of all differences of distinct, ascending values, up to rounding. `None` if
