@@ -14,7 +14,7 @@ use super::least_squares::{LeastSquares, Scratch, ShiftedColumns};
 use super::matrix::Matrix;
 use super::neighbours::Finder;
 use super::progress::{Progress, report, unwatched};
-use super::result::{Counts, DataSpectrum, Running};
+use super::result::{Counts, DataExponent, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
 use super::statistics::upper_median;
@@ -156,7 +156,7 @@ pub fn data_spectrum_with(
         residual_ratio,
         tau,
     };
-    let exponents = (0..columns)
+    let mut exponents: Vec<DataExponent> = (0..columns)
         .map(|i| {
             let of = |chains: &Chains| average(&chains.stretches, i, tau);
             evidence.exponent(
@@ -168,6 +168,7 @@ pub fn data_spectrum_with(
             )
         })
         .collect();
+    evidence.require_zero(&mut exponents, &cloud.points);
     let (sum, running) = match &corrected {
         Some(corrected) => (corrected.sum, corrected.running.clone()),
         None => (

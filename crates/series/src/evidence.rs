@@ -2,6 +2,7 @@
 
 use super::averages::Average;
 use super::extrapolation::Extrapolated;
+use super::matrix::Matrix;
 use super::result::{CHANGE_ERRORS, DataExponent, OK_ERRORS, Status};
 
 /// Fraction of the reference points that may fail to determine a direction that still counts as
@@ -15,6 +16,15 @@ const STARVED: f64 = 0.5;
 const UNPREDICTABLE: f64 = 0.8;
 /// A change of an estimate by at most this fraction of its value is no instability. Chosen.
 const STABLE_CHANGE: f64 = 0.05;
+
+/// Mean cosine of the angle between successive steps of a series above which it is one of a flow.
+/// Steps of a map turn by any angle. Chosen.
+const GOES_ON: f64 = 0.5;
+/// A tangent exponent of a flow is near zero if it is at most this fraction of the largest. Chosen:
+/// errors do not contain the bias of finite neighbourhoods.
+const ZERO_BIAS: f64 = 0.25;
+/// It is near zero, too, if the stretching per map differs from 1 by at most this. Chosen.
+const ZERO_STRETCHING: f64 = 0.01;
 
 /// Evidence common to all exponents.
 pub(crate) struct Evidence {
@@ -65,6 +75,25 @@ impl Evidence {
             fixed_rank: fixed.map(of),
             collapses: full.collapses,
             undetermined: best.undetermined,
+        }
+    }
+
+    /// Marks the exponents that have the status `Ok` though the series is one of a flow without an
+    /// exponent near zero.
+    pub(crate) fn require_zero(&self, exponents: &mut [DataExponent], points: &Matrix) {
+        let tangent = &exponents[..self.dimension];
+        let largest = tangent
+            .iter()
+            .map(|one| one.value.abs())
+            .fold(0.0, f64::max);
+        let bias = (ZERO_BIAS * largest).max(ZERO_STRETCHING / self.tau);
+        let is_near_zero =
+            |one: &DataExponent| one.value.abs() <= bias.max(CHANGE_ERRORS * one.stderr);
+        if tangent.iter().any(is_near_zero) || !goes_on(points) {
+            return;
+        }
+        for exponent in exponents.iter_mut().filter(|one| one.status == Status::Ok) {
+            exponent.status = Status::WithoutZero;
         }
     }
 
@@ -119,6 +148,27 @@ impl Evidence {
     }
 }
 
+/// Whether successive steps between points go on in about the same direction.
+fn goes_on(points: &Matrix) -> bool {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for ((one, two), three) in points
+        .rows()
+        .zip(points.rows().skip(1))
+        .zip(points.rows().skip(2))
+    {
+        let parts = one.iter().zip(two).zip(three);
+        let parts = parts.map(|((one, two), three)| (two - one, three - two));
+        let [product, first, second] = parts.fold([0.0; 3], |[product, first, second], (a, b)| {
+            [product + a * b, first + a * a, second + b * b]
+        });
+        if first > 0.0 && second > 0.0 {
+            sum += product / (first * second).sqrt();
+            count += 1.0;
+        }
+    }
+    sum > GOES_ON * count
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,5 +214,35 @@ mod tests {
             let total = (0.05_f64 * 0.05 + change * change).sqrt();
             assert!((best.stderr - total).abs() < 1e-15);
         }
+    }
+
+    #[test]
+    fn a_flow_without_an_exponent_near_zero_has_none_that_is_ok() {
+        let points = |turn: f64| {
+            let angles = (0..200).map(|k| turn * f64::from(k));
+            let points = angles.flat_map(|angle| [libm::cos(angle), libm::sin(angle)]);
+            Matrix::new(points.collect(), 2)
+        };
+        let evidence = Evidence {
+            dimension: 2,
+            tau: 0.2,
+            ..EVIDENCE
+        };
+        let statuses = |values: [f64; 2], turn: f64| {
+            let mut exponents = values.map(|value| {
+                let average = from_few_blocks(value);
+                evidence.exponent(0, &average, None, None, None)
+            });
+            evidence.require_zero(&mut exponents, &points(turn));
+            exponents.map(|one| one.status)
+        };
+        assert_eq!(statuses([1.1, -0.6], 0.3), [Status::WithoutZero; 2]);
+        // Within four errors, or a quarter of the first.
+        for second in [0.19, -0.19, 0.27, -0.27] {
+            assert_eq!(statuses([1.1, second], 0.3), [Status::Ok; 2]);
+        }
+        assert_eq!(statuses([0.1, -0.6], 0.3), [Status::Ok; 2]);
+        // A map turns further in a step, and needs no zero.
+        assert_eq!(statuses([1.1, -0.6], 2.4), [Status::Ok; 2]);
     }
 }

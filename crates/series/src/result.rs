@@ -31,6 +31,10 @@ pub enum Status {
     /// the widest direction, and so on. Many exponents with this status are within two errors
     /// nevertheless.
     Noisy,
+    /// The points follow a flow, each step in about the direction of the one before, and no tangent
+    /// exponent is near zero. A flow has an exponent zero along itself. So neighbours are none, or
+    /// a direction is missing, as of a column that is not embedded in enough values.
+    WithoutZero,
     /// The maps do not predict where neighbours go ([`DataSpectrum::residual_ratio`] above 0.8).
     /// The points are not states of a deterministic system, or noise is as large as the
     /// neighbourhoods.
@@ -45,12 +49,13 @@ pub enum Status {
 
 impl Status {
     /// All of them.
-    pub const ALL: [Status; 8] = [
+    pub const ALL: [Status; 9] = [
         Status::Ok,
         Status::Unstable,
         Status::Starved,
         Status::Undetermined,
         Status::Noisy,
+        Status::WithoutZero,
         Status::Unpredictable,
         Status::Unidentified,
         Status::Annihilated,
@@ -64,6 +69,7 @@ impl Status {
             Status::Starved => "starved",
             Status::Undetermined => "undetermined",
             Status::Noisy => "noisy",
+            Status::WithoutZero => "without-zero",
             Status::Unpredictable => "unpredictable",
             Status::Unidentified => "unidentified",
             Status::Annihilated => "annihilated",

@@ -46,6 +46,13 @@ pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) ->
          --neighbours",
         short(spectrum.residual_ratio)
     )));
+    warnings.extend(with_status(spectrum, Status::WithoutZero).map(|which| {
+        format!(
+            "{which} without a zero beside: the rows follow a flow, which has an exponent 0 along \
+             itself, and none is near it: give all columns of the state, more points, or \
+             --dimension with more delayed values; of a map this needs no remedy"
+        )
+    }));
     warnings.extend(with_status(spectrum, Status::Noisy).map(|which| format!(
         "{which} noisy: noise of the size of what the maps leave unpredicted may flatten them by \
          more than two errors: give more --neighbours, values with less noise, or a longer --step"
