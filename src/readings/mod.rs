@@ -31,7 +31,7 @@ pub use committed::{CommittedSearch, Match, committed_rows};
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};
-pub use search::{Scaled, estimate, recomputed};
+pub use search::{Scaled, estimate};
 pub use settings::Setting;
 pub use significance::{MatchLevel, Share};
 pub use table::{ConfigurationRow, OrbitVerdict, other_motions};

@@ -44,20 +44,6 @@ fn with_spread(rows: &[[f64; 4]]) -> Option<(Series, f64)> {
     ))
 }
 
-/// A row of the committed table, computed anew: three orbits and a spectrum of each.
-///
-/// # Errors
-/// A message if the search has no such row.
-pub fn recomputed(row: &ConfigurationRow) -> Result<ConfigurationRow, String> {
-    let plan = Plan::full()?;
-    let wanted = || format!("the search has no row {}", row.key.join(", "));
-    let group = plan.groups.iter().find(|group| group.has(row));
-    let group = group.ok_or_else(wanted)?;
-    let mut settings = plan.settings_of(group);
-    settings.retain(|one| plan::key(group, one) == row.key);
-    rows(&plan, group, &settings).pop().ok_or_else(wanted)
-}
-
 /// The rows of a group under some settings. A figure's exponents are estimated only if they can
 /// count. Either the reading keeps all three motions, or this motion is of the published kind.
 pub fn rows(plan: &Plan, group: &Group, settings: &[PartSetting]) -> Vec<ConfigurationRow> {
@@ -204,10 +190,9 @@ mod tests {
             .with_max_len(1)
             .for_each(|(figure, row)| {
                 let group = plan.groups.iter().find(|group| group.has(row)).unwrap();
-                let place = plan::keys(&plan, group)
-                    .iter()
-                    .position(|key| *key == row.key);
-                let (_, setting) = &plan.settings_of(group)[place.unwrap()];
+                let settings = plan.settings_of(group);
+                let of_row = |one: &&PartSetting| plan::key(group, one) == row.key;
+                let (_, setting) = settings.iter().find(of_row).unwrap();
                 let outcome = follow(group, &Caption::ALL[figure], &plan);
                 let what = format!("Fig. {}, {:?}", figure + 10, row.key);
                 assert_eq!(outcome.verdict(), row.classes[figure], "{what}");

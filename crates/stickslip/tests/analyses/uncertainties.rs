@@ -47,8 +47,9 @@ fn exponents_of_a_chain_of_equal_ones_are_as_uncertain_as_rounding_leaves_them()
         for number in 2..10 {
             covers(&found, number, -5.0);
             let uncertainty = found.uncertainties[number];
-            // Seven times ln(30)/400 is 0.06; the root of rounding times the coupling is 0.05.
-            assert!((0.05..0.5).contains(&uncertainty), "{uncertainty}");
+            // Seven times ln(30)/400 is 0.06, and the root of rounding times the coupling 0.06. The
+            // second frame is disturbed by more, for a chain of all ten states.
+            assert!((0.05..1.0).contains(&uncertainty), "{uncertainty}");
         }
     }
 }
