@@ -163,17 +163,6 @@ impl CommittedSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::readings::plan::SPREAD;
-
-    #[test]
-    fn a_row_recomputes_to_its_bits_and_a_row_of_no_search_is_refused() {
-        let rows = committed_rows().unwrap();
-        let mut row = rows.into_iter().find(|row| row.key[0] == SPREAD).unwrap();
-        let line = search::recomputed(&row).unwrap().line();
-        assert!(TABLE.contains(&line), "{line}");
-        row.key[2] = "by hand".into();
-        assert!(search::recomputed(&row).unwrap_err().contains("by hand"));
-    }
 
     #[test]
     fn a_table_that_is_not_the_full_search_is_refused() {
