@@ -14,6 +14,10 @@ use crate::system::State;
 /// errors of the two events that bound it are then below a hundredth of the motion.
 const RESOLVED_MOTION: f64 = 100.0;
 
+/// A motion that has come below so many tolerances shrinks further. Chosen: the errors of steps keep
+/// the motion from vanishing, and a contact no deeper than that is a touch, too.
+const SHRUNK_MOTION: f64 = 10.0;
+
 /// Phases last if half of those recorded take at least this part of the time of the half before.
 /// Chosen between 1, the limit as an orbit shrinks to a point, and pile-ups: one of a larger ratio
 /// than 0.995 forms a geometric series instead.
@@ -191,8 +195,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         self.count += 1;
         let [later, earlier] = self.halves();
         self.has_moved |= extent > RESOLVED_MOTION;
-        // Error control does not follow what has come below one tolerance.
-        let shrinks = later.extent < earlier.extent || self.has_moved && later.extent <= 1.0;
+        let is_below = self.has_moved && later.extent <= SHRUNK_MOTION;
+        let shrinks = later.extent < earlier.extent || is_below;
         if self.count > 1 && extent <= RESOLVED_MOTION && shrinks {
             self.unresolved += 1;
             self.is_driven |= is_driven();
