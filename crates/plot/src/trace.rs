@@ -365,7 +365,8 @@ mod tests {
                 let s = k as f64 / count.max(1.0);
                 let (x, y) = (ax + s * dx, ay + s * dy);
                 for row in (y - r).max(0.0) as usize..=((y + r) as usize).min(rows - 1) {
-                    let left = (r * r - (row as f64 + 0.5 - y).powi(2)).max(0.0).sqrt();
+                    let up = row as f64 + 0.5 - y;
+                    let left = (r * r - up * up).max(0.0).sqrt();
                     let (from, to) = ((x - left).max(0.0), (x + left).min(columns as f64));
                     drawn[row * columns + from as usize..row * columns + to as usize].fill(true);
                 }
@@ -400,7 +401,7 @@ mod tests {
             let t = k as f64 / points as f64 * std::f64::consts::TAU;
             (
                 100.0 + 96.0 * libm::sin(t),
-                80.0 + 76.0 * libm::sin(1.618034 * t),
+                80.0 + 76.0 * libm::sin(1.618 * t),
             )
         };
         (0..turns * points).map(at).collect()

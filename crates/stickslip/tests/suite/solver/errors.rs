@@ -120,7 +120,10 @@ fn options_out_of_range() {
                 "{error}"
             );
             let least = if name == "rtol" { "1e-15" } else { "1e-280" };
-            assert_says(&error, &[name, &readable(bad), &format!("between {least} and 0.1")]);
+            assert_says(
+                &error,
+                &[name, &readable(bad), &format!("between {least} and 0.1")],
+            );
         }
     }
     for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
