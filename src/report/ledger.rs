@@ -282,8 +282,8 @@ impl Ledger {
         format!(
             "under an added assumption: the normal force is clipped at zero, which the paper does \
              not say and which was chosen as the only one of the readings below that gives the \
-             caption. The block is off the belt for {third} of the time (Fig. 10: {first}, Fig. 11: \
-             {second})"
+             caption. The block is off the belt for {third} of the time (Fig. 10: {first}, \
+             Fig. 11: {second})"
         )
     }
 

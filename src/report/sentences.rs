@@ -63,9 +63,9 @@ fn fig_8(ledger: &Ledger) -> String {
         "Fig. 8’s stick–slip is not a solution of the paper’s equations: solved accurately, they \
          settle on no stick from its start and give {exact} of its published numbers. {motion} \
          faults together make the motion: one slip of programming (a list is a reference, so that \
-         the program overwrites its own state and slip runs three times too fast) and one gap in the \
-         method (Sect. 3 tests one end of the moving stick zone only). With the {digits} defects that \
-         its digits need, the printed program gives {printed} numbers."
+         the program overwrites its own state and slip runs three times too fast) and one gap in \
+         the method (Sect. 3 tests one end of the moving stick zone only). With the {digits} \
+         defects that its digits need, the printed program gives {printed} numbers."
     )
 }
 
@@ -109,8 +109,8 @@ fn figs_10_to_12(ledger: &Ledger) -> String {
     };
     let settings = ledger.spread.search.recommended.len();
     format!(
-        "Of Figs. 10–12, {} of {} have their captioned class after listed corrections ({notes}). Of \
-         {} exponents, {} are given by none of {settings} settings of the estimator, and {} are \
+        "Of Figs. 10–12, {} of {} have their captioned class after listed corrections ({notes}). \
+         Of {} exponents, {} are given by none of {settings} settings of the estimator, and {} are \
          undeterminable.",
         corrected + assumed.len(),
         classes.len(),
@@ -126,7 +126,8 @@ fn all_claims(ledger: &Ledger) -> String {
         .map(|(verdict, count)| format!("{count} {verdict}"));
     let identities = ledger.entries.len() - ledger.counted();
     format!(
-        "Of {} claims in all: {}. {identities} more could not come out otherwise and are not counted.",
+        "Of {} claims in all: {}. {identities} more could not come out otherwise and are not \
+         counted.",
         ledger.counted(),
         counts.join(", ")
     )
@@ -160,8 +161,9 @@ pub(super) fn search(search: &CommittedSearch) -> [String; 3] {
     [
         format!(
             "A search over {configurations} configurations of equations, integrator and estimator \
-             ({citation}) finds {} of {} pairs of equations and integrator with all three captioned \
-             classes, and {} with all three kinds of motion, whatever the number of loops.",
+             ({citation}) finds {} of {} pairs of equations and integrator with all three \
+             captioned classes, and {} with all three kinds of motion, whatever the number of \
+             loops.",
             pairs.classes, pairs.all, pairs.kinds,
         ),
         nearest_single_figure(search),

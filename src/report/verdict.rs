@@ -31,8 +31,8 @@ described! {
             "reproduced under an added assumption",
             "assumed",
             "the corrected model gives it only if the normal force is never negative, which the \
-            paper does not say; among the readings with corrected signs this one was chosen because \
-            it gives the caption of Fig. 12, so that its class is no evidence for it",
+            paper does not say; among the readings with corrected signs this one was chosen \
+            because it gives the caption of Fig. 12, so that its class is no evidence for it",
         ],
         /// Only the paper's program or equations, taken literally, give it.
         AsPrintedOnly = [
@@ -59,9 +59,10 @@ described! {
         Undeterminable = [
             "undeterminable",
             "open",
-            "the paper does not state what the value depends on; the settings tried move it by more \
-            than its printed digits and their range holds these, or none identifies it and the \
-            published sign is that of the equations; a value outside the range is not reproduced",
+            "the paper does not state what the value depends on; the settings tried move it by \
+            more than its printed digits and their range holds these, or none identifies it and \
+            the published sign is that of the equations; a value outside the range is not \
+            reproduced",
         ],
         /// It holds by definition; not counted.
         Identity = [

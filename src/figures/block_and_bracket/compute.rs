@@ -26,8 +26,9 @@ pub struct FigureSet {
 }
 
 /// Description of the two figures whose block leaves the belt.
-const WITH_LIFT: &str = "The block's and the bracket's phase planes with the line of belt speed and \
-    the region without contact, and below them the running exponents beside the published ones.";
+const WITH_LIFT: &str = "The block's and the bracket's phase planes with the line of belt speed \
+    and the region without contact, and below them the running exponents beside the published \
+    ones.";
 
 /// Figs. 10, 11 and 12.
 pub const SETS: [FigureSet; 3] = [

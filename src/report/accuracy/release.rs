@@ -27,8 +27,8 @@ pub struct Release {
     pub literal: [EventErrors; 2],
     /// With `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
-    /// The step as printed, `h2 = x_k − x1^(i+1)`, from the state `i`: with the two fields, and with
-    /// `1/x2`.
+    /// The step as printed, `h2 = x_k − x1^(i+1)`, from the state `i`: with the two fields, and
+    /// with `1/x2`.
     pub printed_step: [EventErrors; 3],
     /// The printed step from the state `i + 1`, with `1/x2`.
     pub from_after: EventErrors,

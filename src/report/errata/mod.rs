@@ -1,5 +1,5 @@
-//! The paper's misprints. A computation shows each, a run of the solver or of the listing that could
-//! have contradicted it, or the text alone does, which the table says: `by reading: …`.
+//! The paper's misprints. A computation shows each, a run of the solver or of the listing that
+//! could have contradicted it, or the text alone does, which the table says: `by reading: …`.
 
 mod bracket;
 mod listing;

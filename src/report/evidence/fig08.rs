@@ -78,9 +78,9 @@ pub(super) fn start(claims: &Claims) -> Result<(Vec<Finding>, Proof), Error> {
         )
     });
     let line = format!(
-        "the program starts at T[3], the fourth point; in another reading, with points counted from \
-         0 as in the program, that is the caption's. {from_fourth}; changed to start at the third, \
-         {from_third}"
+        "the program starts at T[3], the fourth point; in another reading, with points counted \
+         from 0 as in the program, that is the caption's. {from_fourth}; changed to start at the \
+         third, {from_third}"
     );
     let shown: [[Value; 3]; 2] =
         [&captioned, &listed].map(|of| [of.x1.into(), of.first_release.into(), of.digits.into()]);

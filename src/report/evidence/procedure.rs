@@ -130,8 +130,8 @@ impl LowerEnds {
     pub(in crate::report) fn sentence(self) -> String {
         let LowerEnds { missed, all } = self;
         format!(
-            "{missed} of {all} stick phases of the stated model from a grid of starts end at a lower \
-             end, which Sect. 3 (x1^(i+1) > x1,0^(k)) does not test"
+            "{missed} of {all} stick phases of the stated model from a grid of starts end at a \
+             lower end, which Sect. 3 (x1^(i+1) > x1,0^(k)) does not test"
         )
     }
 }

@@ -19,10 +19,10 @@ pub(super) fn opening(report: &Report) -> Markup {
             div id=(picture.figure) {
                 (figure(
                     picture,
-                    "Fig. 8. Left: the Appendix’s program, run to the letter where it can be. Right: \
-                     the equations it is meant to solve, with the same parameters. One slip of \
-                     programming and one gap in the method make the difference. Only the text of the \
-                     paper was at hand: its pictures were not compared."
+                    "Fig. 8. Left: the Appendix’s program, run to the letter where it can be. \
+                     Right: the equations it is meant to solve, with the same parameters. One slip \
+                     of programming and one gap in the method make the difference. Only the text \
+                     of the paper was at hand: its pictures were not compared."
                 ))
             }
         }

@@ -1,5 +1,5 @@
-//! The report as one self-contained HTML page, including style and figures. Its links to sources and
-//! tables lead to files of the project.
+//! The report as one self-contained HTML page, including style and figures. Its links to sources
+//! and tables lead to files of the project.
 
 mod claims;
 mod figures;

@@ -10,13 +10,22 @@ use super::parts::{columns, heading, typeset};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::reading::Reading;
 
+const COLUMNS: [&str; 6] = [
+    "Figure",
+    "Captioned",
+    "Corrected equations",
+    "As printed",
+    "Exponents",
+    "Rests on",
+];
+
 pub(super) fn section(ledger: &Ledger) -> Markup {
     let [found, nearest, joint] = search(&ledger.spread.search);
     html! {
         section aria-labelledby="readings" {
             (heading("readings"))
             table.cards {
-                (columns(&["Figure", "Captioned", "Corrected equations", "As printed", "Exponents", "Rests on"]))
+                (columns(&COLUMNS))
                 tbody { @for figure in SpectrumFigure::ALL { (row(ledger, figure)) } }
             }
             p { (found) }
@@ -38,14 +47,18 @@ fn row(ledger: &Ledger, figure: SpectrumFigure) -> Markup {
     };
     let data = &ledger.computed.bracket[figure as usize];
     let pairs = &ledger.spread.search.pairs;
+    let name = class.claim.location.replace(" caption", "");
+    let lifted = format!("{:.0} %", 100.0 * data.lifted_share());
     let (of_class, all) = (pairs.class[figure as usize], pairs.all);
     html! {
         tr {
-            th scope="row" { a href={ "#" (figure.name()) } { (class.claim.location.replace(" caption", "")) } }
+            th scope="row" { a href={ "#" (figure.name()) } { (name) } }
             td data-column="Captioned" { (class.claim.published) }
             td data-column="Corrected equations" {
                 (text(Reading::Corrected)) " " (verdict_badge(class.verdict))
-                p.soft { (of_class) " of " (all) " pairs of equations and integrator give the caption" }
+                p.soft {
+                    (of_class) " of " (all) " pairs of equations and integrator give the caption"
+                }
             }
             td data-column="As printed" { (text(Reading::AsPrinted)) }
             td data-column="Exponents" {
@@ -54,7 +67,7 @@ fn row(ledger: &Ledger, figure: SpectrumFigure) -> Markup {
             td data-column="Rests on" {
                 a href="#corrections" { (labels(&class.corrections)) }
                 @if class.corrections.contains(&Correction::ClippedNormalForce) {
-                    p.soft { "off the belt " (format!("{:.0} %", 100.0 * data.exact.lifted_fraction)) " of the time" }
+                    p.soft { "off the belt " (lifted) " of the time" }
                 }
             }
         }
@@ -67,5 +80,6 @@ fn exponent(entry: &Entry) -> Markup {
         Verdict::NotReproduced => "no setting tried",
         _ => "undeterminable",
     };
-    html! { (typeset(&format!("λ{name}"))) " = " (entry.claim.published.replace('-', "−")) ": " (verdict) }
+    let published = entry.claim.published.replace('-', "−");
+    html! { (typeset(&format!("λ{name}"))) " = " (published) ": " (verdict) }
 }
