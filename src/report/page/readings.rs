@@ -48,7 +48,7 @@ fn row(ledger: &Ledger, figure: SpectrumFigure) -> Markup {
     let data = &ledger.computed.bracket[figure as usize];
     let pairs = &ledger.spread.search.pairs;
     let name = class.claim.location.replace(" caption", "");
-    let lifted = format!("{:.0} %", 100.0 * data.lifted_share());
+    let lifted = format!("{:.0} %", 100.0 * data.exact.lifted_fraction);
     let (of_class, all) = (pairs.class[figure as usize], pairs.all);
     html! {
         tr {
