@@ -89,20 +89,22 @@ fn label_offset(number: usize) -> (f64, f64) {
 /// The orbits; one of each kind has a legend.
 fn orbits(data: &Data) -> Vec<Curve> {
     let mut listed = [false; 2];
-    let numbered = (1..).zip(data.orbits.iter().zip(&data.sticks));
-    let curve = |(number, (orbit, &sticks)): (usize, (&Vec<(f64, f64)>, &bool))| {
+    let mut curves = Vec::new();
+    for (number, (orbit, &sticks)) in (1..).zip(data.orbits.iter().zip(&data.sticks)) {
         let curve = Curve::new(orbit.iter().copied()).width(1.0);
         let curve = curve.name(&format!("orbit {number}"));
         let (curve, legend) = match sticks {
             true => (curve.color(PURPLE).dash(Dash::Dashed), "orbits that stick"),
             false => (curve.color(BLUE), "orbits that never stick"),
         };
-        match std::mem::replace(&mut listed[usize::from(sticks)], true) {
-            true => curve,
-            false => curve.legend(legend),
-        }
-    };
-    numbered.map(curve).collect()
+        curves.push(
+            match std::mem::replace(&mut listed[usize::from(sticks)], true) {
+                true => curve,
+                false => curve.legend(legend),
+            },
+        );
+    }
+    curves
 }
 
 fn orbits_panel(data: &Data) -> Panel {

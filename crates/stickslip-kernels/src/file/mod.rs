@@ -226,11 +226,11 @@ pub enum InputShape {
         /// The pieces over one period, in fractions of it. Those of a pulse follow from its width.
         pieces: Vec<Piece>,
         /// The fraction of the period in which a pulse is 1.
-        width: Option<Formula>,
+        width: Option<Box<Formula>>,
         /// The period.
         period: Formula,
         /// The phase at time 0, as a fraction of the period; 0 by default.
-        phase: Option<Formula>,
+        phase: Option<Box<Formula>>,
     },
     /// Interpolation of points in time.
     Table(Vec<Piece>),

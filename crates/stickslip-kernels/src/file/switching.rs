@@ -125,7 +125,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         "pulse" => {
             table.only(&["shape", "period", "phase", "width"])?;
             let wanted = table.need("width", "the part of the period in which it is 1")?;
-            width = Some(wanted.formula()?);
+            width = Some(Box::new(wanted.formula()?));
             pulse(0.5).to_vec()
         }
         "table" => return points(source, table),
@@ -145,7 +145,11 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         pieces,
         width,
         period: period.formula()?,
-        phase: table.get("phase").map(Entry::formula).transpose()?,
+        phase: table
+            .get("phase")
+            .map(Entry::formula)
+            .transpose()?
+            .map(Box::new),
     })
 }
 
