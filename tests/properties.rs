@@ -91,7 +91,8 @@ fn divergence(model: &ForcedOscillator, orbit: &Orbit<2>) -> f64 {
     const PARTS: u32 = 4000;
     let rate = |t: f64| {
         let slip = (orbit.at(t).unwrap()[1] - model.belt_speed).abs();
-        model.mu0 * model.delta / (1.0 + model.delta * slip).powi(2) / model.mass
+        let root = 1.0 + model.delta * slip;
+        model.mu0 * model.delta / (root * root) / model.mass
     };
     let phases = orbit.phases.iter().map(|phase| {
         let h = (phase.t_end - phase.t_start) / f64::from(PARTS);
