@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-basins bench-spectra wheel python-test bench-python docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -28,7 +28,7 @@ report: build-replication ## The verdict on every claim: report/index.html, repo
 	$(CARGO) run $(REPLICATION) --release --bin report
 
 # All packages that are tested without Python. `cargo test` alone is the check of the replication.
-TESTED := --locked --workspace --exclude stickslip-python --features stickslip-replication/peers
+TESTED := --locked --workspace --exclude stickslip-python
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test $(TESTED)
@@ -37,11 +37,8 @@ golden: ## Rewrite golden/, figures/, report/ and README's verdicts on purpose
 	$(MAKE) figures report diagrams
 	INSTA_UPDATE=always $(CARGO) test $(TESTED)
 
-# An interrupted search is resumed; a complete one is never mistaken for a new one.
 readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
-	$(CARGO) run $(REPLICATION) --release --bin readings -- --out target/readings
-	cp target/readings/readings.csv target/readings/readings.txt golden/
-	rm -r target/readings
+	$(CARGO) run $(REPLICATION) --release --bin readings -- --out golden
 
 # The JSON output of a command is its golden. A sweep resumes from its blocks, so these are removed
 # first. The commands run in the folder of their output, so that no golden names a build folder.
@@ -76,42 +73,33 @@ cluster-test: ## A sweep as a job array on a Slurm of one node; needs slurm-wlm 
 bench: ## Run the benchmarks
 	$(CARGO) bench $(TESTED) --benches
 
-# The peers get an environment of their own with the versions of requirements.txt. The stamp is
-# written after all of them are installed, so that a broken installation is tried again.
-# PEERS_ARGS="--rounds 3" makes a short run.
+# The peers and the wheel get an environment of their own. The stamp is written after all of them are
+# installed, so that a broken installation is tried again. BENCHES="orbits" makes one table only,
+# BENCH_ARGS="--rounds 1 decay" a short run.
 PYTHON ?= python3
-PEERS_ARGS ?=
-PEERS_VENV := target/peers-venv
-PEERS_STAMP := $(PEERS_VENV)/installed.txt
-PEERS_WANTED := benches/peers/requirements.txt
-PEERS_INSTALL := { cmp -s $(PEERS_WANTED) $(PEERS_STAMP) \
-    || { $(PYTHON) -m venv --clear $(PEERS_VENV) \
-    && $(PEERS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(PEERS_WANTED) \
-    && cp $(PEERS_WANTED) $(PEERS_STAMP); }; }
+BENCHES ?= orbits python basins spectra
+BENCH_ARGS ?=
+BENCH_VENV := target/bench-venv
+BENCH_WANTED := benches/requirements.txt
+RELEASE = $(subst /debug/stickslip,/release,$(STICKSLIP))
+BENCH_orbits = $(RELEASE)/examples/bench
+BENCH_basins = $(RELEASE)/stickslip $(RELEASE)/examples/basin
+BENCH_spectra = $(RELEASE)/stickslip
 
-bench-peers: ## Error against run time beside other solvers, and bench-spectra; ours alone without Python
-	$(CARGO) build --locked --release -p stickslip-replication --features peers --bin peers
-	@if $(PEERS_INSTALL); then \
-	    $(CARGO) run --locked --release --quiet -p stickslip-replication --features peers --bin peers -- --python $(PEERS_VENV)/bin/python $(PEERS_ARGS); \
-	else \
-	    echo "no peers: Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from," \
-	        "are needed; measuring ours alone" >&2; \
-	    $(CARGO) run --locked --release --quiet -p stickslip-replication --features peers --bin peers -- $(PEERS_ARGS); \
-	fi
-	@! cmp -s $(PEERS_WANTED) $(PEERS_STAMP) || $(MAKE) bench-spectra
-
-bench-basins: ## Starts of a basin per second beside heyoka and SciPy: report/basins.csv; needs Python
+bench-peers: wheel ## Error, time and lines beside other tools: the tables of report/, docs/speed.md
+	cmp -s $(BENCH_WANTED) $(BENCH_VENV)/installed.txt || { $(PYTHON) -m venv --clear $(BENCH_VENV) \
+	    && $(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r $(BENCH_WANTED) \
+	    && cp $(BENCH_WANTED) $(BENCH_VENV)/installed.txt; }
+	$(BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall dist/*.whl
 	$(CARGO) build --locked --release -p stickslip-cli
 	$(CARGO) build --locked --release -p stickslip --example basin
-	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
-	$(PEERS_VENV)/bin/python benches/peers/basins.py $(subst /debug/,/release/,$(STICKSLIP)) $(subst /debug/stickslip,/release/examples/basin,$(STICKSLIP)) report/basins.csv
+	$(CARGO) build --locked --release -p stickslip-replication --example bench
+	$(foreach bench,$(BENCHES),$(BENCH_VENV)/bin/python benches/bench.py $(bench) $(BENCH_$(bench)) $(BENCH_ARGS) &&) true
+	$(MAKE) bench-pages
 
-SPECTRA_ARGS ?=
-
-bench-spectra: ## Exponents of ten series beside nolds and neurokit2: report/spectra.csv; needs Python
-	$(CARGO) build --locked --release -p stickslip-cli
-	@$(PEERS_INSTALL) || { echo "Python 3.11 or later ($(PYTHON)) with venv, and a network to install $(PEERS_WANTED) from, are needed" >&2; exit 1; }
-	$(PEERS_VENV)/bin/python benches/peers/spectra.py $(subst /debug/,/release/,$(STICKSLIP)) $(SPECTRA_ARGS)
+bench-pages: ## figures/bench.svg, docs/speed.md and README's sentence from the tables as they are
+	$(CARGO) run --locked --quiet --release -p stickslip-replication --example bench -- draw report/bench.csv figures
+	$(PYTHON) benches/bench.py pages
 
 # WHEEL_PROFILE=dev compiles faster; tests use it. Both need Python 3.11 or later and, the first time,
 # a network.
@@ -120,17 +108,6 @@ wheel: ## The Python package: dist/*.whl
 
 python-test: ## Install the wheel into an empty environment and run its tests; exit code 75: no network
 	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh test $(WHEEL_PROFILE)
-
-# The peers get an environment of their own, as above. BENCH_ARGS="--rounds 1" makes a short run.
-PYTHON_BENCH_VENV := target/python-bench-venv
-BENCH_ARGS ?=
-
-bench-python: wheel ## The Python package beside SciPy, heyoka and pydiffsol: report/python.csv
-	cmp -s benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt || { $(PYTHON) -m venv --clear $(PYTHON_BENCH_VENV) \
-	    && $(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r benches/python/requirements.txt \
-	    && cp benches/python/requirements.txt $(PYTHON_BENCH_VENV)/installed.txt; }
-	$(PYTHON_BENCH_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall dist/*.whl
-	$(PYTHON_BENCH_VENV)/bin/python benches/python/bench.py report/python.csv $(BENCH_ARGS)
 
 # Code blocks run on the wheel and the program, and write the pictures of the pages. The documentation
 # of the crates and the report are copied beside the pages. Of the crates only the libraries are
@@ -144,7 +121,7 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	test -x $(DOCS_VENV)/bin/python || $(PYTHON) -m venv $(DOCS_VENV)
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
-	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs
+	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs benches
 	rm -rf $(DOCS) docs/_gallery docs/reference/_api
 	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -d target/docs/doctrees docs $(DOCS)
 	rm -rf "$$(dirname $(STICKSLIP))/../doc"

@@ -4,8 +4,6 @@ pub mod figures;
 mod numbers;
 mod orbit_records;
 pub mod paper;
-#[cfg(feature = "peers")]
-pub mod peers;
 #[cfg(feature = "report")]
 pub mod readings;
 #[cfg(feature = "report")]

@@ -1,5 +1,6 @@
 //! The tests of the replication, in one binary.
 
+mod bench;
 mod block_and_bracket;
 mod claims;
 mod cli;
@@ -7,10 +8,5 @@ mod common;
 mod goldens;
 mod listing;
 mod models;
-#[cfg(feature = "peers")]
-mod peers;
 mod readings;
 mod report;
-#[cfg(feature = "peers")]
-mod shipped;
-mod spectra_table;

@@ -1,8 +1,6 @@
 """Lyapunov exponents of ten series of one column: `stickslip spectrum` beside nolds and neurokit2.
 
-    python spectra.py PROGRAM [--points N] [--rounds N] [--csv FILE]
-
-reports error and time. All read the same numbers. `spectrum` chooses delay and dimension itself.
+Error and time. All read the same numbers. `spectrum` chooses delay and dimension itself.
 The packages choose none and are given those of `series.py`. Their other settings are those that
 they recommend: no neighbours within one mean period; as many exponents as the embedding has
 dimensions (neurokit2 takes four and no other number); trajectories of 20 points. Such trajectories
@@ -14,15 +12,9 @@ One thread each. Times are those of the processor, so that other processes count
 call alone. They are medians over rounds in which all take turns.
 """
 
-import os
-
-for threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "RAYON_NUM_THREADS"):
-    os.environ[threads] = "1"
-
-import argparse
-import csv
 import json
 import math
+import os
 import resource
 import statistics
 import subprocess
@@ -45,6 +37,7 @@ import neurokit2
 import nolds
 
 import series
+import tables
 
 OURS = "spectrum"
 GIVEN = "spectrum, embedding given"
@@ -243,43 +236,16 @@ def summary(rows):
     return "\n".join(lines)
 
 
-def cell(value):
-    """A number to four digits; empty for NaN."""
-    if not isinstance(value, float):
-        return value
-    return "" if math.isnan(value) else f"{value:.4g}"
-
-
-def write(path, rows):
-    """Writes the table, whole or not at all."""
-    rounded = [{key: cell(v) for key, v in row.items()} for row in rows]
-    beside = f"{path}.part"
-    with open(beside, "w", encoding="utf-8", newline="") as file:
-        table = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        table.writeheader()
-        table.writerows(rounded)
-    os.replace(beside, path)
-
-
-def main():
-    arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    arguments.add_argument("program")
-    arguments.add_argument("--points", type=int, default=5000)
-    arguments.add_argument("--rounds", type=int, default=3)
-    arguments.add_argument("--csv", default="report/spectra.csv")
-    options = arguments.parse_args()
+def measure_all(program, points, rounds, path):
+    """Measures all series, reports them, and writes the table."""
     # The packages warn of divergence that does not rise and of short series.
     warnings.simplefilter("ignore")
     print(f"{'':44s}error of 1st, of all, median time, exponents")
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for case in series.CASES:
-            of_case = measure(options.program, case, options.points, options.rounds, folder)
+            of_case = measure(program, case, points, rounds, folder)
             show(of_case)
             rows += of_case
     print(summary(rows))
-    write(options.csv, rows)
-
-
-if __name__ == "__main__":
-    main()
+    tables.write(path, list(rows[0]), rows)

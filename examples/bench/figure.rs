@@ -1,12 +1,11 @@
 //! The work–precision figure.
 
-use super::compare::front;
-use super::measurement::Measurement;
-use super::problem::Problem;
-use crate::numbers::extent;
-use crate::text::distinct;
+use std::error::Error;
+
 use plot::*;
 use stickslip::math;
+
+use super::problems::descriptions;
 
 const LINE_STYLES: [(Color, Dash, Shape); 9] = [
     (BLACK, Dash::Solid, Shape::Circle),
@@ -25,22 +24,117 @@ const ROW_HEIGHT: f64 = 290.0;
 /// Height of the legend under the last row, px.
 const LEGEND_HEIGHT: f64 = 60.0;
 
-/// The SVG: a panel for every problem, and one with the times of whole processes if they were
-/// measured.
+/// Errors below this count as equal: the rounding of the times themselves.
+const LEAST_ERROR: f64 = 1e-16;
+
+/// What the figure shows of a row of the table.
+struct Row {
+    solver: String,
+    problem: String,
+    error: Option<f64>,
+    /// Median time of a run (s).
+    time: Option<f64>,
+    /// Time of a whole process (s).
+    process: Option<f64>,
+}
+
+/// The rows of a table.
 ///
 /// # Errors
-/// Those of [`Figure::render`].
-pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotError> {
+/// A column that is missing; a cell that is no number.
+fn read(table: &str) -> Result<Vec<Row>, Box<dyn Error>> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let header = reader.headers()?.clone();
+    let columns = ["solver", "problem", "error", "median_s", "process_s"].map(|name| {
+        let column = header.iter().position(|one| one == name);
+        column.ok_or_else(|| format!("the table has no column {name}"))
+    });
+    let [solver, problem, error, time, process] = columns;
+    let (solver, problem, error, time, process) = (solver?, problem?, error?, time?, process?);
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        let number = |column: usize| match &record[column] {
+            "" => Ok(None),
+            cell => cell
+                .parse()
+                .map(Some)
+                .map_err(|_| format!("'{cell}' is no number")),
+        };
+        rows.push(Row {
+            solver: record[solver].into(),
+            problem: record[problem].into(),
+            error: number(error)?,
+            time: number(time)?,
+            process: number(process)?,
+        });
+    }
+    Ok(rows)
+}
+
+/// The Pareto front of some rows, as (time, error): points at which neither can be improved without
+/// the other.
+fn front<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
+    let mut points: Vec<(f64, f64)> = rows
+        .filter_map(|row| Some((row.time?, row.error?.max(LEAST_ERROR))))
+        .collect();
+    points.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut front: Vec<(f64, f64)> = Vec::new();
+    for point in points {
+        if front.last().is_none_or(|last| point.1 < last.1) {
+            front.push(point);
+        }
+    }
+    front
+}
+
+/// The problems of a table in order, with their titles in markup.
+fn titles(rows: &[Row]) -> Result<Vec<(&str, String)>, Box<dyn Error>> {
+    let all = descriptions()?;
+    let title = |name| {
+        all.get(name)
+            .and_then(|one| one["title"].as_str())
+            .map(str::to_owned)
+    };
+    let names = distinct(rows.iter().map(|row| row.problem.as_str()));
+    let titled = names.into_iter().map(|name| {
+        Ok((
+            name,
+            title(name).ok_or_else(|| format!("'{name}' is none of the problems"))?,
+        ))
+    });
+    titled.collect()
+}
+
+/// Each distinct item once, in order of first occurrence.
+fn distinct<'a>(items: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut all = Vec::new();
+    for item in items {
+        if !all.contains(&item) {
+            all.push(item);
+        }
+    }
+    all
+}
+
+/// The SVG of a table: a panel for every problem, and one with the times of whole processes if they
+/// were measured.
+///
+/// # Errors
+/// A table that cannot be read; those of [`Figure::render`].
+pub fn draw(table: &str) -> Result<String, Box<dyn Error>> {
+    let rows = &read(table)?[..];
+    let problems = titles(rows)?;
     let names = distinct(rows.iter().map(|row| row.solver.as_str()));
     let mut panels: Vec<Panel> = Vec::new();
-    for (i, problem) in problems.iter().enumerate() {
-        let of = rows.iter().filter(|row| row.problem == problem.name);
+    for (i, (name, title)) in problems.iter().enumerate() {
+        let of = rows.iter().filter(|row| row.problem == *name);
         let panel = work_precision(&of.collect::<Vec<_>>(), &names);
-        panels.push(panel.label(&letter(i)).title(problem.title));
+        panels.push(panel.label(&letter(i)).title(title));
     }
     let mut about_processes = "";
     if rows.iter().any(|row| row.process.is_some()) {
-        panels.push(processes(rows, &names, problems).label(&letter(problems.len())));
+        panels.push(processes(rows, &names, &problems).label(&letter(problems.len())));
         about_processes = " Last panel: time of a whole process, one line for each solver.";
     }
     if let Some(last) = panels.pop() {
@@ -65,7 +159,7 @@ pub fn draw(rows: &[Measurement], problems: &[Problem]) -> Result<String, PlotEr
         };
         figure = figure.columns(weight, row);
     }
-    figure.render()
+    Ok(figure.render()?)
 }
 
 /// The label of a panel.
@@ -77,7 +171,7 @@ fn line_style(index: usize) -> (Color, Dash, Shape) {
     LINE_STYLES[index % LINE_STYLES.len()]
 }
 
-fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
+fn work_precision(rows: &[&Row], names: &[&str]) -> Panel {
     let log = |(time, error)| (math::log10(time), math::log10(error));
     let front = |name: &&str| -> Vec<(f64, f64)> {
         let own = rows.iter().copied().filter(|row| row.solver == *name);
@@ -100,15 +194,12 @@ fn work_precision(rows: &[&Measurement], names: &[&str]) -> Panel {
 
 /// A line for every solver. Filled markers belong to the first problem timed this way, open ones to
 /// the others.
-fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Panel {
+fn processes(rows: &[Row], names: &[&str], problems: &[(&str, String)]) -> Panel {
     let timed = |name: &str| {
         let mut rows = rows.iter();
         rows.any(|row| row.problem == name && row.process.is_some())
     };
-    let of = problems
-        .iter()
-        .enumerate()
-        .filter(|(_, one)| timed(one.name));
+    let of = problems.iter().enumerate().filter(|(_, one)| timed(one.0));
     // The legend names the markers by the letters of the problems' panels.
     let letters: Vec<String> = of.clone().map(|(i, _)| letter(i)).collect();
     let title = match &letters[..] {
@@ -120,10 +211,10 @@ fn processes(rows: &[Measurement], names: &[&str], problems: &[Problem]) -> Pane
         }
         all => format!("whole process of {}", all.join(", ")),
     };
-    let first = of.map(|(_, one)| one.name).next();
+    let first = of.map(|(_, one)| one.0).next();
     let times = |name: &&str| -> Vec<(&str, f64)> {
         let own = rows.iter().filter(|row| row.solver == *name);
-        own.filter_map(|row| Some((row.problem, math::log10(row.process?))))
+        own.filter_map(|row| Some((row.problem.as_str(), math::log10(row.process?))))
             .collect()
     };
     let times: Vec<_> = names.iter().map(times).collect();
@@ -161,7 +252,8 @@ fn with_legend(panel: Panel, names: &[&str]) -> Panel {
 /// The range of logarithms, with a margin; an arbitrary decade if there are no values.
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     const MARGIN: f64 = 0.25;
-    let (low, high) = extent(values);
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.fold(none, |(low, high), one| (low.min(one), high.max(one)));
     if low > high {
         (-1.0, 1.0)
     } else {

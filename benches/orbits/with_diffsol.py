@@ -8,7 +8,7 @@ import time
 import numpy
 import pydiffsol
 
-import systems
+from orbits import systems
 
 VERSIONS = [("pydiffsol", pydiffsol.version())]
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-11, 1e-12, 1e-13)

@@ -7,7 +7,7 @@ import time
 
 import heyoka as hy
 
-import systems
+from orbits import systems
 
 VERSIONS = [("heyoka", hy.__version__)]
 SETTINGS = (

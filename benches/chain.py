@@ -2,7 +2,7 @@
 
 Events and modes are written by hand.
 
-    target/peers-venv/bin/python benches/peers/chain.py [blocks ...] [--events]
+    target/bench-venv/bin/python benches/chain.py [blocks ...] [--events]
 
 `make bench-peers` makes that environment. Ours beside it: `cargo bench -p stickslip --bench chain`,
 and the example.

@@ -13,7 +13,7 @@ import numpy
 from numba import njit
 from scipy.integrate._ivp import dop853_coefficients as coefficients
 
-import systems
+from orbits import systems
 
 VERSIONS = [("numba", numba.__version__), ("llvmlite", llvmlite.__version__)]
 STEPS = (1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4)

@@ -8,7 +8,7 @@ import numpy
 import scipy
 from scipy.integrate import solve_ivp
 
-import systems
+from orbits import systems
 
 VERSIONS = [("scipy", scipy.__version__), ("numpy", numpy.__version__)]
 # Without Radau: at 1e-8 it takes 26 times as long as DOP853 on belt_sensitive for a fifth of the

@@ -33,8 +33,8 @@ def with_stickslip(tol):
     return run
 
 
-def with_scipy(tol):
-    options = {"method": "DOP853", "rtol": tol, "atol": tol}
+def with_scipy(tol, method="DOP853"):
+    options = {"method": method, "rtol": tol, "atol": tol}
 
     def slip(t, y, side):
         friction = side * (0.5 + 0.5 * np.exp(-2 * side * (y[1] - VD)))
