@@ -1,7 +1,7 @@
 //! How much longer a system from a file takes than the same one compiled. The runs take turns, so
 //! that whatever else the machine does meets both alike.
 
-#[path = "../tests/suite/blocks.rs"]
+#[path = "../../stickslip-kernels/tests/suite/blocks.rs"]
 mod blocks;
 
 use std::hint::black_box;

@@ -1,6 +1,18 @@
 //! Tests of expressions and of systems from files.
 
+mod against_compiled;
+mod bad_files;
+mod blocks;
 mod extremes;
+mod hybrid;
+mod known_answers;
 mod parse;
+mod pile_ups;
+mod public_cases;
+mod random_hybrid;
+mod recorded;
+mod references;
+mod run;
+mod side_by_side;
 mod sizes;
 mod tape;

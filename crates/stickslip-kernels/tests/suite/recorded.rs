@@ -4,9 +4,7 @@ use std::ops::ControlFlow;
 
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section, Summary};
 use stickslip::{Method, Options, TransitionKind};
-use stickslip_kernels::file::Source;
-use stickslip_kernels::file::System;
-use stickslip_kernels::file::SystemFile;
+use stickslip_kernels::file::{System, SystemFile};
 use stickslip_kernels::kernel::follow;
 
 /// A transition: kind, contact, time and state.
@@ -16,16 +14,6 @@ pub type Event = (TransitionKind, usize, f64, Vec<f64>);
 pub fn open(file: &str) -> System {
     let read = SystemFile::open(file).unwrap_or_else(|error| panic!("{error}"));
     read.with(&[]).unwrap()
-}
-
-/// A system from the text of a file.
-pub fn read(text: &str) -> System {
-    let source = Source {
-        name: "test.toml".to_owned(),
-        text: text.to_owned(),
-    };
-    let file = SystemFile::parse(source).unwrap_or_else(|error| panic!("{error}"));
-    file.with(&[]).unwrap()
 }
 
 /// Both methods with adaptive steps.

@@ -8,8 +8,7 @@ use stickslip::statistics::SplitMix;
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System;
 
-use crate::hybrid::{options, system};
-use crate::public_cases::METHODS;
+use crate::run::{METHODS, options, system};
 
 /// Number of events compared: later, neighbouring orbits may have separated.
 const MAX_COMPARED: usize = 40;

@@ -2,14 +2,16 @@
 
 use std::f64::consts::PI;
 
-use assert_cmd::Command;
 use stickslip::analysis::{
     Exponent, SpectrumOptions, Visibility, largest_exponent, lyapunov_spectrum,
 };
 use stickslip::{Method, Options, Side, math};
+use stickslip_kernels::file::SystemFile;
+use stickslip_kernels::study::extremes;
 use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, ZoneKind};
 
-use super::recorded::{open, read, run};
+use crate::recorded::{open, run};
+use crate::run::{options, orbit, system as read};
 
 fn taylor() -> Options {
     Options::tol(1e-13).method(Method::Taylor)
@@ -25,7 +27,7 @@ fn the_largest_exponent_alone_is_the_first_of_the_spectrum() {
     for (system, start) in [
         (forced, start),
         (open("belt"), vec![0.5, 0.1]),
-        (crate::hybrid::system(sticks), vec![0.0]),
+        (read(sticks), vec![0.0]),
     ] {
         let settings = SpectrumOptions::over(50.0, 400.0).solver(taylor());
         let start = (0.0, start.as_slice());
@@ -51,7 +53,6 @@ fn the_amplitudes_of_den_hartog() {
         (1.7, 0.3),
         (2.0, 0.1),
     ];
-    let top = tempfile::tempdir().unwrap();
     for (frequency, friction) in known {
         let amplitude = {
             let v = 1.0 / (1.0 - frequency * frequency);
@@ -59,17 +60,17 @@ fn the_amplitudes_of_den_hartog() {
             let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
             (v * v - friction * friction * u * u).sqrt()
         };
-        let output = Command::new(env!("CARGO_BIN_EXE_stickslip"))
-            .current_dir(top.path())
-            .args(["orbit", "den-hartog", "--json", "--set"])
-            .arg(format!("O={frequency}"))
-            .arg("--set")
-            .arg(format!("S={friction}"))
-            .assert()
-            .success();
-        let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
-        assert_eq!(json["periods_of_drive"], 1);
-        let [low, high] = [0, 1].map(|end| json["extremes"]["x"][end].as_f64().unwrap());
+        let settings = [("O".to_owned(), frequency), ("S".to_owned(), friction)];
+        let system = SystemFile::open("den-hartog")
+            .unwrap()
+            .with(&settings)
+            .unwrap();
+        let options = options("taylor");
+        let found = orbit(&system, &options);
+        assert!((found.period / (2.0 * PI / frequency) - 1.0).abs() < 1e-12);
+        let (t, x) = (found.t, found.x.as_slice());
+        let (all, _) = extremes(system.dynamics(), (t, x), t + found.period, &options).unwrap();
+        let (low, high) = all[0];
         for error in [high - amplitude, low + amplitude] {
             assert!(
                 error.abs() < 1e-9,
@@ -357,8 +358,8 @@ x = 1
 /// The examples of the documentation are valid files, and all of the same system.
 #[test]
 fn the_examples_of_the_documentation_are_good_files() {
-    let readme = include_str!("../../README.md").to_owned();
-    let module = include_str!("../../../stickslip-kernels/src/file/mod.rs").lines();
+    let readme = include_str!("../../../stickslip-cli/README.md").to_owned();
+    let module = include_str!("../../src/file/mod.rs").lines();
     let module: Vec<&str> = module
         .map(|line| line.trim_start_matches("//!").trim_start())
         .collect();

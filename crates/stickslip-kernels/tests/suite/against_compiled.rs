@@ -4,7 +4,8 @@ use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solv
 use stickslip_kernels::file::System;
 
 use super::blocks::Block;
-use super::recorded::{Event, methods, open, read, run};
+use super::recorded::{Event, methods, open, run};
+use super::run::system as read;
 
 /// Difference allowed for rounding.
 const ALLOWED: f64 = 1e-12;

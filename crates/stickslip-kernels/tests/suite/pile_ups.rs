@@ -1,9 +1,18 @@
 //! Infinitely many transitions in finite time, from files, compared with closed forms, by both
 //! methods.
 
-use serde_json::Value;
+use std::f64::consts::PI;
 
-use crate::public_cases::{METHODS, Transition, end, program, simulated};
+use stickslip::analysis::{AttractorKind, basin};
+use stickslip::{AtPileUp, Ending, Error, Options};
+use stickslip_kernels::study::recurrence;
+
+use crate::run::{METHODS, Run, Transition, end, failed, options, simulated, simulated_by};
+
+/// Options by which what piles up comes to rest.
+fn rest(method: &str) -> Options {
+    options(method).at_pile_up(AtPileUp::Rest)
+}
 
 /// A system with these states, contacts (name and boundary) and rates, and a start.
 fn system(end: f64, contacts: &[(&str, &str)], rates: &[(&str, &str)], start: &[f64]) -> String {
@@ -74,30 +83,6 @@ fn flights(back: f64, contacts: &[(&str, &str)], more: &str) -> String {
     system(9.0, contacts, &[("x", x), ("v", &v)], &[0.0, 1.0])
 }
 
-/// The message of a run that fails.
-fn failed(text: &str, arguments: &[&str]) -> String {
-    let (_top, mut command) = program(text);
-    command.args(["simulate", "system.toml", "--json"]);
-    let output = command
-        .args(arguments)
-        .assert()
-        .code(1)
-        .get_output()
-        .clone();
-    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
-    found["error"].as_str().unwrap().to_owned()
-}
-
-/// The number after `label`.
-fn number(words: &str, label: &str) -> f64 {
-    let rest = words
-        .split(label)
-        .nth(1)
-        .unwrap_or_else(|| panic!("{label}: {words}"));
-    let until = |c: char| !(c.is_ascii_digit() || "+-.e".contains(c));
-    rest.split(until).next().unwrap().parse().unwrap()
-}
-
 /// Files, the names of the contacts whose transitions accumulate, the time, and the mean ratio of
 /// successive phases if known.
 fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
@@ -129,30 +114,28 @@ fn cases() -> Vec<(String, &'static [&'static str], f64, Option<f64>)> {
 fn a_pile_up_is_reported_with_its_contacts_and_the_point() {
     for (text, contacts, t, ratio) in cases() {
         for method in METHODS {
-            let words = failed(&text, &["--method", method]);
+            let run = Run::of(crate::run::system(&text), &options(method), None);
+            let words = run.words();
             let names: Vec<String> = contacts.iter().map(|name| format!("`{name}`")).collect();
             let names = format!("transitions at {} within", names.join(", "));
             assert!(words.contains(&names), "{method}: {words}");
-            let reported = number(&words, "accumulation point, t = ");
-            let uncertainty = number(&words, " ± ");
-            assert!((reported - t).abs() < 2e-11, "{method}: {t}: {words}");
-            assert!(uncertainty < 1e-10, "{method}: {words}");
-            let x = words
-                .split("± ")
-                .nth(1)
-                .and_then(|rest| rest.split('(').nth(1))
-                .unwrap();
-            for x in x.split(')').next().unwrap().split(", ") {
-                assert!(x.parse::<f64>().unwrap().abs() < 1e-11, "{method}: {words}");
+            assert!(words.ends_with("by at_pile_up = rest they rest"), "{words}");
+            let Err(Error::EventPileUp { accumulation, .. }) = run.ended else {
+                panic!("{method}: {words}");
+            };
+            let found = accumulation.unwrap();
+            assert!(words.contains("at the accumulation point, t = "), "{words}");
+            assert!((found.t - t).abs() < 2e-11, "{method}: {t}: {words}");
+            assert!(found.uncertainty < 1e-10, "{method}: {words}");
+            for x in &found.x.0 {
+                assert!(x.abs() < 1e-11, "{method}: {words}");
             }
             if let Some(ratio) = ratio {
-                let reported = number(&words, "each phase ");
                 assert!(
-                    (reported - ratio).abs() < 1e-5,
+                    (found.ratio - ratio).abs() < 1e-5,
                     "{method}: {ratio}: {words}"
                 );
             }
-            assert!(words.ends_with("by --at-pile-up rest they rest"), "{words}");
         }
     }
 }
@@ -169,17 +152,15 @@ fn entries(transitions: &[Transition]) -> Vec<(f64, &str)> {
 fn contacts_that_can_hold_rest_where_they_pile_up() {
     for (text, contacts, t, _) in cases() {
         for method in METHODS {
-            let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
-            assert_eq!(found["ending"], "end time", "{method}");
+            let (found, transitions) = simulated_by(&text, &rest(method), None);
+            assert_eq!(found.ending(), Ending::EndTime, "{method}");
             let entries = entries(&transitions);
             let names: Vec<&str> = entries.iter().map(|entry| entry.1).collect();
             assert_eq!(names, contacts, "{method}");
             for (at, name) in entries {
                 assert!((at - t).abs() < 2e-11, "{method}: {name} at {at}, not {t}");
             }
-            for (state, x) in found["x_end"].as_object().unwrap() {
-                assert_eq!(x.as_f64(), Some(0.0), "{method}: {state}");
-            }
+            assert!(found.ended.unwrap().x.iter().all(|&x| x == 0.0), "{method}");
         }
     }
 }
@@ -190,13 +171,13 @@ fn what_rests_leaves_when_all_contacts_together_cannot_hold() {
     // 27.
     let text = twisting(3.0, "max(0, t - 14)", 28.0);
     for method in METHODS {
-        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let (found, transitions) = simulated_by(&text, &rest(method), None);
         let (entered, _) = of_twisting(3.0);
         for (t, _) in entries(&transitions) {
             assert!((t - entered).abs() < 1e-11, "{method}: {t}");
         }
         for (t, kind, _) in &transitions[transitions.len() - 2..] {
-            assert_eq!(kind, "stick exit", "{method}");
+            assert_eq!(*kind, "stick exit", "{method}");
             assert!((t - 27.0).abs() < 1e-11, "{method}: {t}");
         }
         assert!((end(&found, "v") - 0.5).abs() < 1e-11, "{method}");
@@ -223,10 +204,10 @@ fn a_jump_or_a_kink_leaves_what_rests_at_rest() {
             (format!("{kinked}{step}"), 13.0),
         ] {
             for method in METHODS {
-                let (found, _) = simulated(&text, method, &["--at-pile-up", "rest"]);
-                assert_eq!(found["ending"], "end time", "{method}: {found}");
+                let (found, _) = simulated_by(&text, &rest(method), None);
+                assert_eq!(found.ending(), Ending::EndTime, "{method}");
                 assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
-                assert!((end(&found, "u") - u).abs() < 1e-11, "{method}: {found}");
+                assert!((end(&found, "u") - u).abs() < 1e-11, "{method}");
             }
         }
     }
@@ -238,8 +219,8 @@ fn a_fast_clock_does_not_pile_up() {
     let text = system(1.0005e-6, &[], &[("u", "1")], &[0.0]);
     let text = format!("{text}{clock}[discrete]\nn = 0\n");
     for method in METHODS {
-        let (found, _) = simulated(&text, method, &[]);
-        assert_eq!(end(&found, "n"), 1000.0, "{method}: {found}");
+        let (found, _) = simulated(&text, method, None);
+        assert_eq!(end(&found, "n"), 1000.0, "{method}");
     }
 }
 
@@ -255,25 +236,25 @@ fn a_body_beside_what_rests_slips_and_sticks_as_without_it() {
     let text = system(40.0, &contacts, &rates, &[10.0, 10.0, 2.05, 0.0]);
     let held = system(40.0, &contacts, &rates, &[10.0, 10.0, 0.05, 0.0]);
     for method in METHODS {
-        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let (found, transitions) = simulated_by(&text, &rest(method), None);
         let of_block = transitions.iter().filter(|at| at.2 == "block");
-        let of_block: Vec<(f64, &str)> = of_block.map(|at| (at.0, at.1.as_str())).collect();
+        let of_block: Vec<(f64, &str)> = of_block.map(|at| (at.0, at.1)).collect();
         // Half turns of π, each of which reduces the amplitude of 2.05 by 0.2.
         assert_eq!(of_block.len(), 10, "{method}: {of_block:?}");
         for (half, (t, kind)) in of_block.iter().enumerate() {
-            let expected = std::f64::consts::PI * (half + 1) as f64;
+            let expected = PI * (half + 1) as f64;
             assert!((t - expected).abs() < 1e-9, "{method}: {t}");
             assert_eq!(*kind, ["crossing", "stick entry"][usize::from(half == 9)]);
         }
         assert!((end(&found, "y") - 0.05).abs() < 1e-9, "{method}");
         assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
         // A contact that always sticks is at zero with the others.
-        let words = failed(&held, &["--method", method]);
+        let words = failed(&held, &options(method));
         assert!(
             words.contains("transitions at `place`, `speed` within"),
             "{words}"
         );
-        let (found, transitions) = simulated(&held, method, &["--at-pile-up", "rest"]);
+        let (found, transitions) = simulated_by(&held, &rest(method), None);
         let names: Vec<&str> = entries(&transitions).iter().map(|entry| entry.1).collect();
         assert_eq!(names, ["place", "speed"], "{method}");
         assert_eq!(
@@ -291,26 +272,19 @@ fn one_contact_rests_at_the_two_fold_where_its_crossings_accumulate() {
         let line = [("line", "x")];
         let text = flights(1.0, &line, "");
         // Flights of 2 and 1 + 1/2 times the speed, which is then halved.
-        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
+        let (found, transitions) = simulated_by(&text, &rest(method), None);
         let entries = entries(&transitions);
         assert_eq!(entries.len(), 1, "{method}");
         assert!((entries[0].0 - 7.0).abs() < within, "{method}: {entries:?}");
         assert_eq!((end(&found, "x"), end(&found, "v")), (0.0, 0.0), "{method}");
-        assert_eq!(found["ending"], "end time", "{method}");
-        let stopped = "no unique future: a two-fold";
-        assert_eq!(
-            simulated(&text, method, &[]).0["ending"],
-            stopped,
-            "{method}"
-        );
+        assert_eq!(found.ending(), Ending::EndTime, "{method}");
+        let is_two_fold = |run: &Run| matches!(run.ending(), Ending::TwoFold(_));
+        assert!(is_two_fold(&simulated(&text, method, None).0), "{method}");
         // The pushes from above and below differ, so that their mean is not zero.
         let text = flights(2.0, &line, "");
-        let (found, transitions) = simulated(&text, method, &["--at-pile-up", "rest"]);
-        assert_eq!(found["ending"], stopped, "{method}");
-        assert!(
-            (found["t_end"].as_f64().unwrap() - 5.0).abs() < 1e-5,
-            "{method}"
-        );
+        let (found, transitions) = simulated_by(&text, &rest(method), None);
+        assert!(is_two_fold(&found), "{method}");
+        assert!((found.ended.unwrap().t - 5.0).abs() < 1e-5, "{method}");
         assert!(transitions.iter().all(|at| at.1 == "crossing"), "{method}");
     }
 }
@@ -321,10 +295,14 @@ fn contacts_that_cannot_hold_end_the_run_with_the_words_for_that() {
     let contacts = [("line", "x"), ("far", "x - 100 + 0*v")];
     let text = flights(2.0, &contacts, " - by_side(far, 0, 1)");
     for (method, within) in [("taylor", 1e-12), ("dop853", 1e-5)] {
-        for choice in ["stop", "rest"] {
-            let words = failed(&text, &["--method", method, "--at-pile-up", choice]);
+        for options in [options(method), rest(method)] {
+            let run = Run::of(crate::run::system(&text), &options, None);
+            let words = run.words();
             assert!(words.contains("transitions at `line` within"), "{words}");
-            let t = number(&words, "accumulation point, t = ");
+            let Err(Error::EventPileUp { accumulation, .. }) = run.ended else {
+                panic!("{method}: {words}");
+            };
+            let t = accumulation.unwrap().t;
             assert!((t - 5.0).abs() < within, "{method}: {words}");
             assert!(
                 words.contains("nothing holds all of them at once"),
@@ -346,7 +324,7 @@ fn crossings_on_the_way_to_a_pole_are_no_pile_up() {
     let contacts = [("line", "y"), ("other", "z")];
     let text = system(2.0, &contacts, &rates, &[1.0, 0.0, 1.0]);
     for method in METHODS {
-        let words = failed(&text, &["--method", method, "--escape", "1e300"]);
+        let words = failed(&text, &options(method).escape(1e300));
         assert!(words.starts_with("the step collapsed"), "{method}: {words}");
     }
 }
@@ -355,10 +333,10 @@ fn crossings_on_the_way_to_a_pole_are_no_pile_up() {
 fn a_run_may_end_between_the_last_crossing_and_the_accumulation_point() {
     // The last crossing that is followed is at 12.26420869.
     for method in METHODS {
-        let arguments = ["--at-pile-up", "rest", "--t-end", "12.26420874"];
-        let (found, transitions) = simulated(&twisting(3.0, "0", 20.0), method, &arguments);
-        assert_eq!(found["ending"], "end time", "{method}");
-        assert_eq!(found["t_end"], 12.26420874, "{method}");
+        let text = twisting(3.0, "0", 20.0);
+        let (found, transitions) = simulated_by(&text, &rest(method), 12.26420874);
+        assert_eq!(found.ending(), Ending::EndTime, "{method}");
+        assert_eq!(found.ended.as_ref().unwrap().t, 12.26420874, "{method}");
         assert!(entries(&transitions).is_empty(), "{method}");
         assert!(end(&found, "v").abs() < 1e-6, "{method}");
     }
@@ -366,22 +344,14 @@ fn a_run_may_end_between_the_last_crossing_and_the_accumulation_point() {
 
 #[test]
 fn starts_whose_orbits_rest_belong_to_the_equilibrium_there() {
-    let (_top, mut command) = program(&twisting(3.0, "0", 20.0));
-    command.args([
-        "basin",
-        "system.toml",
-        "--json",
-        "--grid",
-        "4x4",
-        "--at-pile-up",
-        "rest",
-    ]);
-    command.args(["--x", "x=-9:9", "--y", "v=-8:8"]);
-    let output = command.assert().success().get_output().stdout.clone();
-    let found: Value = serde_json::from_slice(&output).unwrap();
-    let attractors = found["attractors"].as_array().unwrap();
-    assert_eq!(attractors.len(), 1, "{attractors:?}");
-    let motion = attractors[0]["motion"].as_str().unwrap();
-    assert!(motion.starts_with("equilibrium"), "{motion}");
-    assert_eq!(attractors[0]["share"], 1.0);
+    let twisting = crate::run::system(&twisting(3.0, "0", 20.0));
+    let at = |k: usize, half: f64| half * (0.5 * k as f64 - 0.75);
+    let starts = (0..16).map(|k| [at(k % 4, 9.0), at(k / 4, 8.0)]);
+    let settings = recurrence(&twisting, 2000.0);
+    let found = basin(twisting.dynamics(), starts, &settings, &rest("taylor")).unwrap();
+    let [attractor] = &found.attractors[..] else {
+        panic!("{:?}", found.attractors);
+    };
+    assert_eq!(attractor.kind, AttractorKind::Equilibrium);
+    assert!(found.reached.iter().all(|&reached| reached == 0));
 }

@@ -9,7 +9,8 @@ use stickslip::dynamics::Interrupt;
 use stickslip::{Error, Method, Options};
 use stickslip_kernels::file::System;
 
-use super::recorded::{open, read};
+use super::recorded::open;
+use super::run::system as read;
 
 /// Starts whose first two states fill a plane.
 fn starts(system: &System, [x, y]: [(f64, f64); 2], side: usize) -> Vec<Vec<f64>> {
