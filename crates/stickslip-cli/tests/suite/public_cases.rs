@@ -38,8 +38,14 @@ fn crossings_without_end_are_limited() {
         (["--most-steps", "100"], "", "more than 100 steps by t = "),
     ] {
         let (_top, mut command) = program(text);
-        let failed = command.args(["simulate", "system.toml"]).args(limit).assert();
-        failed.code(1).stdout(contains(found)).stderr(contains(error));
+        let failed = command
+            .args(["simulate", "system.toml"])
+            .args(limit)
+            .assert();
+        failed
+            .code(1)
+            .stdout(contains(found))
+            .stderr(contains(error));
     }
 }
 

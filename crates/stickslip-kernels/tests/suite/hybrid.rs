@@ -500,7 +500,7 @@ fn exponents_of_an_impacting_orbit_are_those_of_its_multipliers() {
         let settings = SpectrumOptions::over(500.0 * period, 100.0 * period);
         let settings = settings.solver(options(method));
         let start = impacts.start().unwrap();
-        let found = lyapunov_spectrum(impacts.dynamics(), (0.0, start), &settings).unwrap();
+        let found = lyapunov_spectrum(impacts.dynamics(), (0.0, &start[..]), &settings).unwrap();
         for (k, exact) in exact.iter().enumerate() {
             let value = found.exponents[k].value();
             assert!(
@@ -653,6 +653,16 @@ fn a_driven_system_at_rest_is_followed_through_its_flip() {
         assert!(off <= sum && sum < 1e-8, "{begins:?} and {other} ± {its:e}");
     }
     assert_eq!(at_rest.stops, [Stop::Range, Stop::Range]);
+}
+
+/// A damped oscillator, driven with a period of 2, with a kick at an event.
+fn kicked(input: &str, when: &str) -> String {
+    format!(
+        "name = \"kicked\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nph = 0\n{input}\n[field]\n\
+         x = \"v\"\nv = \"-x - 0.3*v + 0.2*sin(pi*t)\"\n[jumps.kick]\nwhen = \"{when}\"\n\
+         direction = \"rising\"\nset = {{ v = \"v + 1\" }}\n[start]\nx = 0.1\nv = 0\n[time]\n\
+         period = 2\nend = 20\n"
+    )
 }
 
 /// Its multipliers have the product exp(−0.4·2π), by Liouville.

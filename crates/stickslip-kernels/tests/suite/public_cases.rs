@@ -279,8 +279,12 @@ fn a_system_without_contacts_is_smooth() {
     // The analyses accept it, too: both exponents are zero, and so is the multiplier's logarithm.
     let free = system(&row_of_blocks(1, 0));
     let settings = SpectrumOptions::over(200.0, 500.0).solver(options("taylor"));
-    let found =
-        lyapunov_spectrum(free.dynamics(), (0.0, free.start().unwrap()), &settings).unwrap();
+    let found = lyapunov_spectrum(
+        free.dynamics(),
+        (0.0, &free.start().unwrap()[..]),
+        &settings,
+    )
+    .unwrap();
     assert_eq!(found.exponents.len(), 2);
     for exponent in &found.exponents {
         assert!(
@@ -326,7 +330,7 @@ fn a_driven_smooth_oscillator_has_two_negative_exponents() {
     for method in METHODS {
         let settings = SpectrumOptions::over(200.0, 100.0).solver(options(method));
         let start = driven.start().unwrap();
-        let found = lyapunov_spectrum(driven.dynamics(), (0.0, start), &settings).unwrap();
+        let found = lyapunov_spectrum(driven.dynamics(), (0.0, &start[..]), &settings).unwrap();
         let value = |k: usize| found.exponents[k].value();
         assert!(value(1) < value(0) && value(0) < 0.0, "{method}: {found:?}");
         let sum = value(0) + value(1);

@@ -36,8 +36,11 @@ fn assert_meets(name: &str, file: &SystemFile, settings: &[(&str, f64)], run: (&
         .records()
         .map(Result::unwrap)
         .collect();
-    for (method, bound) in [(Method::Taylor, 1e-11), (Method::Dop853, 1e-8)] {
-        let options = Options::tol(1e-12).method(method);
+    for (method, tolerance, bound) in [
+        (Method::Taylor, 1e-14, 1e-11),
+        (Method::Dop853, 1e-12, 1e-8),
+    ] {
+        let options = Options::tol(tolerance).method(method);
         let mut events = Vec::new();
         let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
             if let OrbitProgress::Transition(at) = progress
