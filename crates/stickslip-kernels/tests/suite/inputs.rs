@@ -20,10 +20,7 @@ fn read(name: &str, input: &str, rate: &str) -> Result<System, String> {
 }
 
 fn end(system: &System, x: f64, t_end: f64, method: Method) -> f64 {
-    let options = Options {
-        method,
-        ..Options::default()
-    };
+    let options = Options::tol(1e-13).method(method);
     let run = follow(
         system.dynamics(),
         (0.0, &[x]),
@@ -151,10 +148,7 @@ fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
     // x(T) = x e^(-T) + e^((w - 1)T) - e^(-T), with the parameter as a second state.
     let system = read("pulse", PULSE, "u - x").unwrap().along(0).unwrap();
     for method in METHODS {
-        let options = Options {
-            method,
-            ..Options::default()
-        };
+        let options = Options::tol(1e-13).method(method);
         for (w, t) in [(0.3_f64, 2.0_f64), (0.5, 2.0), (0.7, 3.9)] {
             let start = [0.2, w];
             let found = monodromy(&system, 0.0, start.as_slice(), t, &options)

@@ -132,7 +132,7 @@ fn the_undefined_part_of_a_long_formula_is_named() {
 }
 
 #[test]
-fn a_fault_in_a_long_line_is_shown_with_its_surroundings() {
+fn a_fault_in_a_long_line_has_a_short_message_with_its_place() {
     let text = format!(
         "name = \"long\"\n[states]\nx = \"\"\n[field]\nx = \"{}y\"\n",
         "x + ".repeat(TERMS)
@@ -146,8 +146,5 @@ fn a_fault_in_a_long_line_is_shown_with_its_surroundings() {
         shown.contains(&format!("long.toml:5:{}", 6 + 4 * TERMS)),
         "{shown}"
     );
-    assert!(
-        shown.contains("x + x + y\"") && shown.len() < 400,
-        "{shown}"
-    );
+    assert!(shown.len() < 400, "{shown}");
 }

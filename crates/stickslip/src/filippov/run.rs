@@ -16,8 +16,8 @@ use crate::system::State;
 /// do not change the time.
 pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Roundings of time since a phase began within which a state that outruns them is too fast for
-/// its times. Chosen: the steps before a singularity span more than that.
+/// Roundings of time since the run began within which a state that outruns them is too fast for
+/// its times. Chosen: a run up to a singularity spans more than that.
 const TOO_LATE: f64 = 1e6;
 
 /// Part of the way that a component would still move at its present slowing down, and the growth of
@@ -32,6 +32,7 @@ pub struct Run<const N: usize, const G: usize> {
     /// Number of states of the system; the type may have more.
     pub states: usize,
     pub counters: Counters,
+    pub t_start: f64,
     pub t_end: f64,
     /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field
     /// is usually as fast as the old one, and error control corrects the rest.
@@ -81,6 +82,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             options: *options,
             states,
             counters: Counters::default(),
+            t_start: start.t,
             t_end,
             h: 0.0,
             at: start,
@@ -182,7 +184,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         let step = if is_bounded { longest } else { step };
         let outruns =
             |i: usize| slope[i].abs() * rounding > options.atol + options.rtol * x[i].abs();
-        let is_late = t - self.from.t <= TOO_LATE * rounding && (0..self.states).any(outruns);
+        let is_late = t - self.t_start <= TOO_LATE * rounding && (0..self.states).any(outruns);
         let (t, x) = (*t, Point::from(x));
         if is_bounded || is_late {
             let bound = is_bounded.then_some(name);
