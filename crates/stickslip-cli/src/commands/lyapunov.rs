@@ -78,7 +78,7 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
         let wanted = readable(settings.duration);
         report.line("ended", format!("after {time} of {wanted}: {error}"));
     }
-    report.field("ended", ended);
+    report.field("ended", &ended).failure(ended);
     // The defect may have either sign; zero is printed without one.
     let defect = spectrum.defect();
     let entries = spectrum.stick_entries;

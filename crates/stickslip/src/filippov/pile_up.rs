@@ -14,9 +14,9 @@ use crate::system::State;
 /// errors of the two events that bound it are then below a hundredth of the motion.
 const RESOLVED_MOTION: f64 = 100.0;
 
-/// A motion that has come below so many tolerances shrinks further: the errors of steps, up to one
-/// tolerance each, keep it from vanishing.
-const SHRUNK_MOTION: f64 = 1.0;
+/// A motion that has come below so many tolerances shrinks further. Chosen: the errors of steps keep
+/// the motion from vanishing, at a size that depends on the method.
+const SHRUNK_MOTION: f64 = RESOLVED_MOTION;
 
 /// Phases last if half of those recorded take at least this part of the time of the half before.
 /// Chosen between 1, the limit as an orbit shrinks to a point, and pile-ups: one of a larger ratio

@@ -5,7 +5,7 @@ use super::flow::{Flow, seeded};
 use super::guard::Event;
 use super::observer::StepRecord;
 use super::options::Options;
-use super::uncertainty::{EVENT_PRECISION, SERIES_DEFECT};
+use super::uncertainty::EVENT_PRECISION;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
@@ -15,6 +15,9 @@ use crate::system::State;
 /// Rounding of a time, relative to its size. Times that are closer are the same, and shorter steps
 /// do not change the time.
 pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Part of a step that is tried after one on which the field was not defined throughout.
+pub(crate) const SHORTENED: f64 = 0.1;
 
 /// Roundings of time since the run began within which a state that outruns them is too fast for
 /// its times. Chosen: a run up to a singularity spans more than that.
@@ -217,7 +220,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             return Err(self.non_finite(step));
         }
         self.counters.rejected += 1;
-        self.h = 0.1 * step;
+        self.h = SHORTENED * step;
         Ok(())
     }
 
@@ -236,7 +239,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             near.x[i] += way;
             let tolerance = self.options.atol + self.options.rtol * near.x[i].abs();
             if rate.eps < 0.0
-                && way.abs() <= SERIES_DEFECT * tolerance
+                && way.abs() <= tolerance
                 && in_component(&near, i).eps < STEEPENING * rate.eps
             {
                 let (t, x) = (self.at.t, Point::from(&self.at.x));

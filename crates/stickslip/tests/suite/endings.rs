@@ -139,9 +139,14 @@ fn a_focus_on_the_boundary_ends_the_run_unless_it_is_driven_later() {
         let run = |push: f64, t_end: f64| -> Orbit<2> {
             solve(&Plane::Focus { push }, 0.0, [0.3, 0.0], t_end, &options).unwrap()
         };
-        // Steps that the tolerance allows pass several crossings of a motion below it.
-        let orbit = run(0.0, 1e5);
-        assert_eq!(orbit.ending, Ending::Shrunk);
+        // Errors of Runge-Kutta steps keep a motion below the tolerance alive, whose crossings are
+        // touches.
+        let orbit = run(0.0, 1e4);
+        let ending = match options.method {
+            Method::Taylor => Ending::Shrunk,
+            _ => Ending::EndTime,
+        };
+        assert_eq!(orbit.ending, ending);
         assert!(orbit.x_end.amax() < 1e-8, "{:?}", orbit.x_end);
         let orbit = run(1.0, 1100.0);
         assert_eq!(orbit.ending, Ending::EndTime);

@@ -14,7 +14,7 @@ pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::{Flow, OfFlow};
 use super::options::Options;
-use super::run::{Run, Trial};
+use super::run::{Run, SHORTENED, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::{Dop853, RungeKutta, Timed};
@@ -382,12 +382,17 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         } else {
             step_series.slope(part)
         };
-        // Behind a kink the field may have jumped, as where a boundary kinks under stick.
-        let (checked, slope_there) = match kink {
-            Some(Kink { certain, .. }) => (step_series.at(certain).0, step_series.slope(certain)),
-            None => (at, slope),
+        let solves = |at: &Timed<N>, slope: &State<N>| {
+            step_series.solves_equation(flow, slope, at, &run.options)
         };
-        self.rejected = !step_series.solves_equation(flow, &slope_there, &checked, &run.options);
+        // Behind a kink the field may have jumped, as where a boundary kinks under stick. Shorter
+        // steps come to lie before it, as far as rounding allows.
+        let solves_before = |kink: Kink| {
+            let (certain, _) = step_series.at(kink.certain);
+            run.is_too_short(SHORTENED * h, is_last)
+                && solves(&certain, &step_series.slope(kink.certain))
+        };
+        self.rejected = !solves(&at, &slope) && !kink.is_some_and(solves_before);
         if self.rejected {
             run.check_lipschitz(flow)?;
             run.reject_undefined(h)?;
