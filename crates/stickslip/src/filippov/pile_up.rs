@@ -14,6 +14,10 @@ use crate::system::State;
 /// errors of the two events that bound it are then below a hundredth of the motion.
 const RESOLVED_MOTION: f64 = 100.0;
 
+/// The ratio of two motions up to so many tolerances says nothing. Chosen: errors of steps and events
+/// are a tenth of the smallest of them.
+const UNCERTAIN_MOTION: f64 = 10.0 * RESOLVED_MOTION;
+
 /// A motion that has come below so many tolerances shrinks further. Chosen: the errors of steps keep
 /// the motion from vanishing, at a size that depends on the method.
 const SHRUNK_MOTION: f64 = RESOLVED_MOTION;
@@ -205,7 +209,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         }
         // What is driven may move again, unless its transitions leave no time for that.
         let leads_to_a_point = || !self.is_driven || self.series().is_some();
-        self.bursts(options) || self.unresolved >= options.pile_up_count && leads_to_a_point()
+        let is_unresolved = self.unresolved >= options.pile_up_count || self.shrinks(options);
+        self.bursts(options) || is_unresolved && leads_to_a_point()
     }
 
     /// The newer and the older half of the recorded phases.
@@ -227,16 +232,17 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         let left = later.duration * later.duration / (earlier.duration - later.duration);
         let ratio = later.extent / earlier.extent;
         let accumulates = (0.0..=negligible_span(t, options)).contains(&left)
-            && ratio * ratio <= later.duration / earlier.duration;
+            && (later.extent <= UNCERTAIN_MOTION
+                || ratio * ratio <= later.duration / earlier.duration);
         let by_rounding = (self.recorded().saturating_sub(1) / 2) as f64 * time_rounding(t);
         self.burst.count >= options.pile_up_count && (accumulates || later.duration <= by_rounding)
     }
 
-    /// Whether the orbit approaches a point in infinite time: the motion shrinks below what is
-    /// resolved, and its phases last.
+    /// Whether the orbit approaches a point in infinite time: over all recorded phases the motion
+    /// shrinks below what is resolved, and they last.
     pub(crate) fn shrinks(&self, options: &Options) -> bool {
         let [later, earlier] = self.halves();
-        self.unresolved >= options.pile_up_count
+        self.unresolved >= HISTORY - 1
             && later.duration >= LASTING_PART * earlier.duration
             && !self.bursts(options)
     }

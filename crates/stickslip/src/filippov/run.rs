@@ -16,9 +16,6 @@ use crate::system::State;
 /// do not change the time.
 pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Part of a step that is tried after one on which the field was not defined throughout.
-pub(crate) const SHORTENED: f64 = 0.1;
-
 /// Roundings of time since the run began within which a state that outruns them is too fast for
 /// its times. Chosen: a run up to a singularity spans more than that.
 const TOO_LATE: f64 = 1e6;
@@ -220,7 +217,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
             return Err(self.non_finite(step));
         }
         self.counters.rejected += 1;
-        self.h = SHORTENED * step;
+        self.h = 0.1 * step;
         Ok(())
     }
 

@@ -14,7 +14,7 @@ pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::{Flow, OfFlow};
 use super::options::Options;
-use super::run::{Run, SHORTENED, Trial};
+use super::run::{Run, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::{Dop853, RungeKutta, Timed};
@@ -382,17 +382,21 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         } else {
             step_series.slope(part)
         };
-        let solves = |at: &Timed<N>, slope: &State<N>| {
-            step_series.solves_equation(flow, slope, at, &run.options)
+        let solves = |at: &Timed<N>, slope: &State<N>, options: &Options| {
+            step_series.solves_equation(flow, slope, at, options)
         };
-        // Behind a kink the field may have jumped, as where a boundary kinks under stick. Shorter
-        // steps come to lie before it, as far as rounding allows.
+        // Behind a kink the field may have jumped, as where a boundary kinks under stick. The kink
+        // is where the series has it, as far as the series is exact.
         let solves_before = |kink: Kink| {
             let (certain, _) = step_series.at(kink.certain);
-            run.is_too_short(SHORTENED * h, is_last)
-                && solves(&certain, &step_series.slope(kink.certain))
+            let exactly = Options {
+                rtol: run.options.rtol.min(f64::EPSILON),
+                atol: run.options.atol.min(f64::EPSILON),
+                ..run.options
+            };
+            solves(&certain, &step_series.slope(kink.certain), &exactly)
         };
-        self.rejected = !solves(&at, &slope) && !kink.is_some_and(solves_before);
+        self.rejected = !solves(&at, &slope, &run.options) && !kink.is_some_and(solves_before);
         if self.rejected {
             run.check_lipschitz(flow)?;
             run.reject_undefined(h)?;
