@@ -112,15 +112,16 @@ fn a_family_is_followed_along_a_parameter() {
     assert!(words.contains(ONE_OF), "{words}");
 }
 
-/// Both exponents are zero. Neighbours separate linearly in time, which leaves a logarithm.
+/// Both exponents are zero. Neighbours separate linearly in time, which leaves a logarithm, and
+/// blocks whose rates fall one after the other are as uncertain as correlated ones.
 #[test]
 fn exponents_without_damping_are_zero_to_their_uncertainty() {
     let (json, words) = answers(PENDULUM, &["lyapunov", "system.toml"]);
     for one in json["exponents"].as_array().unwrap() {
         let [value, uncertainty] = ["value", "uncertainty"].map(|key| one[key].as_f64().unwrap());
-        assert!(value.abs() <= uncertainty && uncertainty < 3e-3, "{one}");
+        assert!(value.abs() <= uncertainty && uncertainty < 1e-2, "{one}");
     }
-    assert!(words.contains("λ1           0.0012 ± 2e-3\n"), "{words}");
+    assert!(words.contains("λ1           0.0012 ± 6e-3\n"), "{words}");
 }
 
 /// A block at rest has a zero exponent: its position does not matter.

@@ -22,9 +22,12 @@ const UNCERTAIN_MOTION: f64 = 10.0 * RESOLVED_MOTION;
 /// the motion from vanishing, at a size that depends on the method.
 const SHRUNK_MOTION: f64 = RESOLVED_MOTION;
 
-/// Phases last if half of those recorded take at least this part of the time of the half before.
-/// Chosen between 1, the limit as an orbit shrinks to a point, and pile-ups: one of a larger ratio
-/// than 0.995 forms a geometric series instead.
+/// Number of unresolved phases that tell whether they last. Chosen: so many of a pile-up last only
+/// if its ratio exceeds 0.99, and such a ratio forms a series.
+const SHRINKING_PHASES: usize = 20;
+
+/// Phases last if half of them take at least this part of the time of the half before. Chosen
+/// between 1, the limit as an orbit shrinks to a point, and pile-ups.
 const LASTING_PART: f64 = 0.9;
 
 /// Number of transitions that are kept: the ends of three rounds of up to 15 phases.
@@ -215,7 +218,12 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
 
     /// The newer and the older half of the recorded phases.
     fn halves(&self) -> [Half; 2] {
-        let half = self.recorded().saturating_sub(1) / 2;
+        self.halves_of(self.recorded().saturating_sub(1))
+    }
+
+    /// The newer and the older half of the last phases.
+    fn halves_of(&self, phases: usize) -> [Half; 2] {
+        let half = phases / 2;
         [0, half].map(|newest| Half {
             duration: self.nth_last(newest).at.t - self.nth_last(newest + half).at.t,
             extent: (newest..newest + half)
@@ -238,11 +246,12 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         self.burst.count >= options.pile_up_count && (accumulates || later.duration <= by_rounding)
     }
 
-    /// Whether the orbit approaches a point in infinite time: over all recorded phases the motion
-    /// shrinks below what is resolved, and they last.
+    /// Whether the orbit approaches a point in infinite time: the motion shrinks below what is
+    /// resolved, and its phases last.
     pub(crate) fn shrinks(&self, options: &Options) -> bool {
-        let [later, earlier] = self.halves();
-        self.unresolved >= HISTORY - 1
+        let unresolved = self.unresolved.min(HISTORY - 1);
+        let [later, earlier] = self.halves_of(unresolved);
+        unresolved >= SHRINKING_PHASES
             && later.duration >= LASTING_PART * earlier.duration
             && !self.bursts(options)
     }

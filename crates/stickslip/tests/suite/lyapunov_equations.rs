@@ -170,16 +170,16 @@ fn a_fast_decay_at_rest_is_measured() {
         most_steps: 100,
         ..Options::default()
     });
-    let error = lyapunov_spectrum(&system, (0.0, State::from([0.0; 2])), &few).unwrap_err();
+    let spectrum = lyapunov_spectrum(&system, (0.0, State::from([0.0; 2])), &few).unwrap();
     assert!(
         matches!(
-            error,
-            stickslip::Error::TooMany {
+            spectrum.ended,
+            Some(stickslip::Error::TooMany {
                 name: "most_steps",
                 ..
-            }
+            })
         ),
-        "{error}"
+        "{spectrum:?}"
     );
 }
 
@@ -250,7 +250,8 @@ fn roessler() {
     let spectrum = lyapunov_spectrum(&Smooth(Roessler), start, &settings).unwrap();
     let [l1, l2, l3] = values(&spectrum);
     let error = spectrum.exponents[0].std_error().unwrap();
-    assert!(error < 1e-3, "{error}");
+    // The spread over starts is 7e-4. The autocovariances of so few blocks vary up to threefold.
+    assert!(error < 3.0 * 7e-4, "{error}");
     // Half a unit of the published digit in addition to two standard errors.
     close(l1, 0.0714, 2.0 * error + 5e-5);
     close(l2, 0.0, math::ln(400.0) / 40_000.0);
