@@ -39,7 +39,7 @@ impl Entry {
 }
 
 /// Most lines of a legend: more would leave no room for the panel.
-const MOST_LINES: usize = 8;
+const MOST_LINES: usize = 12;
 
 // Lengths, px. They are chosen by eye for small text.
 const LINE_HEIGHT: f64 = 16.0;

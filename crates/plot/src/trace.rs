@@ -438,7 +438,7 @@ mod tests {
     #[test]
     fn a_thinned_curve_looks_the_same() {
         for (name, points, most) in [
-            ("area", lissajous(120, 200), 20_000),
+            ("area", lissajous(400, 200), 40_000),
             ("time", oscillation(800), 10_000),
             ("spiral", spiral(300), 10_000),
         ] {

@@ -55,7 +55,7 @@ impl Filippov<1> for Line {
 /// Systems of two states.
 #[derive(Clone, Copy)]
 pub enum Plane {
-    /// A stable focus on the boundary, which is driven by `push max(t - 1000, 0)`.
+    /// A stable focus on the boundary, which is driven by `push max(t - 380, 0)`.
     Focus { push: f64 },
     /// A block on a belt that moves by the positive half waves of a sine and rests in between.
     RestingBelt { half_period: f64, limit: f64 },
@@ -69,7 +69,7 @@ impl Filippov<2> for Plane {
                     Side::Below => (1.2, 0.2),
                     Side::Above => (1.05, 0.05),
                 };
-                let drive = (t - 1000.0).max(T::zero()) * push;
+                let drive = (t - 380.0).max(T::zero()) * push;
                 [x[1], drive - x[0] * stiffness - x[1] * damping]
             }
             Plane::RestingBelt { limit, .. } => [x[1], -x[0] - limit * side.sign()],
@@ -148,7 +148,7 @@ fn a_focus_on_the_boundary_ends_the_run_unless_it_is_driven_later() {
         };
         assert_eq!(orbit.ending, ending);
         assert!(orbit.x_end.amax() < 1e-8, "{:?}", orbit.x_end);
-        let orbit = run(1.0, 1100.0);
+        let orbit = run(1.0, 480.0);
         assert_eq!(orbit.ending, Ending::EndTime);
         // It follows the drive beyond the boundary.
         assert!(orbit.x_end[0] > 80.0, "{:?}", orbit.x_end);
