@@ -26,8 +26,13 @@ fn default_run_writes_a_named_picture_and_its_numbers(mut program: Command, name
     let figures = folder.path().join("figures");
     assert_eq!(
         files(&figures),
-        [format!("{name}.csv"), format!("{name}.svg")]
+        [
+            "curves".to_owned(),
+            format!("{name}.csv"),
+            format!("{name}.svg")
+        ]
     );
+    assert_eq!(files(&figures.join("curves")), [format!("{name}.csv")]);
     check_csv(&figures.join(format!("{name}.csv")), name);
     check_svg(&figures.join(format!("{name}.svg")), name);
 }

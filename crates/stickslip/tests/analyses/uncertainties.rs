@@ -28,8 +28,12 @@ fn chain(drive: &str) -> Spectrum {
         k => format!("x{k} = \"-5*x{k} + 5*x{}\"\n", k - 1),
     });
     let fields: String = fields.collect();
+    let contact = match drive {
+        "" => "",
+        _ => "[contacts.c]\nboundary = \"q\"\n",
+    };
     let text = format!(
-        "name = \"chain\"\n[states]\nq = \"\"\np = \"\"\n{states}[contacts.c]\nboundary = \"q\"\n\
+        "name = \"chain\"\n[states]\nq = \"\"\np = \"\"\n{states}{contact}\
          [field]\nq = \"p\"\np = \"-q\"\n{fields}"
     );
     let start = [[1.0, 0.0].as_slice(), &[1.0; 8]].concat();
