@@ -202,9 +202,10 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         self.count += 1;
         let [later, earlier] = self.halves();
         self.has_moved |= extent > RESOLVED_MOTION;
-        let is_below = self.has_moved && later.extent <= SHRUNK_MOTION;
-        let shrinks = later.extent < earlier.extent || is_below;
-        if self.count > 1 && extent <= RESOLVED_MOTION && shrinks {
+        // What was never resolved may as well go on at its size: errors of steps hide the difference.
+        let shrinks =
+            self.has_moved && (later.extent < earlier.extent || later.extent <= SHRUNK_MOTION);
+        if extent <= RESOLVED_MOTION && shrinks {
             self.unresolved += 1;
             self.is_driven |= is_driven();
         } else {
