@@ -142,8 +142,8 @@ impl Plan {
         (self.points - 1) as f64 / (1.0 / DT)
     }
 
-    /// The lines before the table: the settings that all rows share. What differs between rows is in
-    /// the rows; `format` counts changes of the code.
+    /// The lines before the table: the settings that all rows share. What differs between rows is
+    /// in the rows; `format` counts changes of the code.
     pub fn heading(&self) -> String {
         let numbers = |list: &[f64]| joined(list, " ");
         let captions = Caption::ALL.iter().map(|caption| {

@@ -166,8 +166,8 @@ mod tests {
         spectrum(&Scaled::of(rows).unwrap(), &(unit, data))
     }
 
-    /// Three rows for each figure with exponents, chosen by a fixed seed. The shortest steps, twelve
-    /// million for each orbit, are left to `make readings`.
+    /// Three rows for each figure with exponents, chosen by a fixed seed. The shortest steps,
+    /// twelve million for each orbit, are left to `make readings`.
     #[test]
     fn rows_of_the_committed_table_come_out_again() {
         let plan = Plan::full().unwrap();

@@ -106,9 +106,12 @@ mod tests {
             digits,
             "m",
             "x",
+            "sect2",
             "",
-            "",
-            "",
+            "check",
+            "algebra",
+            "src/a.rs::f",
+            "tests/b.rs::g",
         ];
         let claim = Claim::of_record(&csv::StringRecord::from(row.to_vec())).unwrap();
         agreement(&claim, value).unwrap().to_string()

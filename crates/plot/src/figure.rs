@@ -115,8 +115,8 @@ impl Figure {
         Ok(svg)
     }
 
-    /// The curves of all panels as numbers, as far as they lie inside. Points whose absence moves a line by less than a
-    /// fraction `tolerance` of its axes are left out.
+    /// The curves of all panels as numbers, as far as they lie inside. Points whose absence moves a
+    /// line by less than a fraction `tolerance` of its axes are left out.
     pub fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
         let cells = self.rows.iter().flat_map(|(_, cells)| cells);
         let panels = cells.filter_map(|(_, cell)| match cell {

@@ -104,8 +104,8 @@ impl Panel {
         self.layers.iter().filter_map(|l| l.legend()).collect()
     }
 
-    /// The curves inside the axes, without points whose absence moves a line by less than a fraction
-    /// of the axes.
+    /// The curves inside the axes, without points whose absence moves a line by less than a
+    /// fraction of the axes.
     pub(super) fn curves(&self, tolerance: f64) -> Vec<NumericCurve> {
         let bounds = Bounds {
             x: (self.x.min, self.x.max),

@@ -236,8 +236,8 @@ struct Solved<'a> {
     is_terminated: bool,
 }
 
-/// Follows an orbit. Each event has its own section. The orbit of the last one is recorded; those of
-/// the others are the same, and are followed beside it.
+/// Follows an orbit. Each event has its own section. The orbit of the last one is recorded; those
+/// of the others are the same, and are followed beside it.
 fn solved<'a>(
     systems: &[(&'a CompiledSystem, usize)],
     ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),

@@ -345,7 +345,8 @@ fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     }
 }
 
-/// The tape of the friction of each contact in a combination, as a size; `None` if all are constant.
+/// The tape of the friction of each contact in a combination, as a size; `None` if all are
+/// constant.
 pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> Option<Tape> {
     let (mut graph, inputs) = (Graph::new(), Inputs::fixed(values));
     let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides(of));

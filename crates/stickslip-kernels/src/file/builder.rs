@@ -108,8 +108,8 @@ pub(super) struct Builder<'a> {
     depth: usize,
 }
 
-/// Most levels of nesting, through brackets and definitions, so that recursion does not overflow the
-/// stack of a thread. It is chosen: files written by hand have far fewer.
+/// Most levels of nesting, through brackets and definitions, so that recursion does not overflow
+/// the stack of a thread. It is chosen: files written by hand have far fewer.
 const MOST_DEPTH: usize = 300;
 
 type BuildResult = Result<Id, Problem>;
@@ -520,7 +520,8 @@ impl<'a> Builder<'a> {
                 readable(value)
             );
             return Err(Problem::new(message, law.whole()).help(
-                "it is a size, and acts against the slip; the sign of what it does stands in [field]",
+                "it is a size, and acts against the slip; the sign of what it does \
+                 stands in [field]",
             ));
         }
         if let Some(force) = &contact.normal_force {

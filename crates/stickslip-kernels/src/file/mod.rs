@@ -39,9 +39,9 @@
 //! `[discrete]` lists states that change only in jumps, each with its start.
 //!
 //! `[inputs.NAME]` describes a function of time alone by its `shape`. The shapes `square`,
-//! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse has
-//! a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`. `[switches.NAME]` is
-//! the sign of a `function` of time.
+//! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse
+//! has a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`.
+//! `[switches.NAME]` is the sign of a `function` of time.
 
 mod build;
 mod builder;

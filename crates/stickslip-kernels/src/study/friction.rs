@@ -103,8 +103,8 @@ pub(super) fn negative_at(
 
 fn negative(system: &System, contact: usize, t: f64, size: f64) -> String {
     format!(
-        "the friction of {} is negative at t = {}, {}, and drives the slip: it is a size, 0 or more; \
-         write max(0, …) where a force can vanish, or take other parameters",
+        "the friction of {} is negative at t = {}, {}, and drives the slip: it is a size, \
+         0 or more; write max(0, …) where a force can vanish, or take other parameters",
         system.file.contacts[contact].name,
         readable(t),
         readable(size)

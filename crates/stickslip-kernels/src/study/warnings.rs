@@ -8,9 +8,10 @@ use super::tangents::{BoundaryLine, RateJumps};
 use crate::file::{Interface, System};
 
 /// Warnings about a system. They concern friction that is negative at the start or in the wrong
-/// direction, and static friction below that in slip; friction is evaluated on the boundary of every
-/// contact, next to the start. They also concern jumps that cannot happen soon after the start, and boundaries of several contacts
-/// that vanish together and are dependent there. Without a start only the last are checked.
+/// direction, and static friction below that in slip; friction is evaluated on the boundary of
+/// every contact, next to the start. They also concern jumps that cannot happen soon after the
+/// start, and boundaries of several contacts that vanish together and are dependent there. Without
+/// a start only the last are checked.
 pub fn warnings(
     system: &System,
     start: Option<(f64, &[f64])>,

@@ -40,8 +40,8 @@ direction = "rising"
 x = [-2, 2]
 "#;
 
-/// A case of `bad_files.txt` or `bad_jumps.txt`: the text replaced and its replacement; the message,
-/// the part of the file that it marks, and the advice.
+/// A case of `bad_files.txt` or `bad_jumps.txt`: the text replaced and its replacement; the
+/// message, the part of the file that it marks, and the advice.
 type Case = [String; 5];
 
 fn cases(table: &str) -> Vec<Case> {

@@ -14,12 +14,12 @@ use crate::system::State;
 /// errors of the two events that bound it are then below a hundredth of the motion.
 const RESOLVED_MOTION: f64 = 100.0;
 
-/// The ratio of two motions up to so many tolerances says nothing. Chosen: errors of steps and events
-/// are a tenth of the smallest of them.
+/// The ratio of two motions up to so many tolerances says nothing. Chosen: errors of steps and
+/// events are a tenth of the smallest of them.
 const UNCERTAIN_MOTION: f64 = 10.0 * RESOLVED_MOTION;
 
-/// A motion that has come below so many tolerances shrinks further. Chosen: the errors of steps keep
-/// the motion from vanishing, at a size that depends on the method.
+/// A motion that has come below so many tolerances shrinks further. Chosen: the errors of steps
+/// keep the motion from vanishing, at a size that depends on the method.
 const SHRUNK_MOTION: f64 = RESOLVED_MOTION;
 
 /// Number of unresolved phases that tell whether they last. Chosen: so many of a pile-up last only
@@ -202,7 +202,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         self.count += 1;
         let [later, earlier] = self.halves();
         self.has_moved |= extent > RESOLVED_MOTION;
-        // What was never resolved may as well go on at its size: errors of steps hide the difference.
+        // What was never resolved may as well go on at its size: errors of steps hide the
+        // difference.
         let shrinks =
             self.has_moved && (later.extent < earlier.extent || later.extent <= SHRUNK_MOTION);
         if extent <= RESOLVED_MOTION && shrinks {
