@@ -305,18 +305,18 @@ def written(value: float) -> str:
     return repr(float(value))
 
 
-def expression(value: Any) -> Expression:
-    """A formula from a symbol or a number."""
+def expression(value: Any, name: str = "a number in a formula") -> Expression:
+    """A formula from a symbol or a number. Errors name the argument by `name`."""
     if isinstance(value, Expression):
         return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
-        return expression(value.item())
+        return expression(value.item(), name)
     if isinstance(value, (bool, np.bool_)):
         raise TypeError(
             f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols"
         )
     if isinstance(value, numbers.Real):
-        value = number(value, "a number in a formula")
+        value = number(value, name)
         return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)
     raise TypeError(f"{value!r} cannot stand in a formula: symbols and numbers can")
 
@@ -703,7 +703,7 @@ def pulse(name: str, period: Any, width: Any, phase: Any = None) -> Input:
     phase : float or Expression, optional
         Fraction of the period that has passed at time 0. Default 0.
     """
-    return _repeated(name, "pulse", period, phase, width=expression(width))
+    return _repeated(name, "pulse", period, phase, width=expression(width, "width"))
 
 
 def table(

@@ -84,6 +84,8 @@ class System:
         if any(isinstance(one, Contact) for one in parts):
             # The engine rejects sides.
             return
+        if all(type(one) is State and one.text in self._core.states for one in parts):
+            return
         rates: dict[State, Any] = {one: 0.0 for one in parts if isinstance(one, State)}
         mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), ()), None, None, ""))
         text = tomllib.loads(self._text)

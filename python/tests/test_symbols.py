@@ -333,9 +333,9 @@ def test_friction_is_not_negative():
     plain = ss.System({v: np.cos(ss.t) - plain.friction}, contacts=[plain], start=[1])
     with pytest.raises(ss.SystemError, match="`floor` is -1, but must not be negative"):
         plain.with_parameters(mu=-1)
-    gone = ss.Contact("floor", boundary=v, friction=mu * (v - 2))
+    gone = ss.Contact("floor", boundary=v, friction=mu * (2 - v))
     gone = ss.System({v: np.cos(ss.t) - gone.friction}, contacts=[gone])
-    assert "negative at t = 0, -0.4" in gone.check([1])[0] and gone.check([3]) == []
+    assert "negative at t = 0, -0.4" in gone.check([3])[0] and gone.check([1]) == []
 
 
 def test_the_width_of_a_pulse_is_a_formula():
