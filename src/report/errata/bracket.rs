@@ -39,7 +39,7 @@ impl Observer<4> for TransientAndSection<'_> {
 pub enum MotionOutcome {
     /// A component exceeds the bound at this time.
     Diverges(f64),
-    /// No component does; the largest component until [`START`].
+    /// No component does; the largest component until `START`.
     Bounded(f64),
     /// The block has no turning points: it is in equilibrium or sticks for good.
     NoTurns,
