@@ -149,6 +149,9 @@ impl Recording<'_> {
         orbit: &mut dyn OrbitUnderWay,
         others: &mut [OtherEvent<'_>],
     ) -> ControlFlow<()> {
+        if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
+            self.monitor.begin_anew();
+        }
         match progress {
             OrbitProgress::Step => return self.step(orbit, others),
             OrbitProgress::Passage(at) => return self.passages.passed(at, &mut self.limit),

@@ -186,8 +186,8 @@ pub enum Error {
         /// Absolute tolerance.
         atol: f64,
     },
-    /// The orbit comes to where the field is not Lipschitz: within the tolerance its slope grows
-    /// without bound, and the equation does not say what follows.
+    /// The orbit comes to where the field is not Lipschitz: the rate of a component vanishes as a
+    /// power below 1 of its distance, and the equation does not say what follows.
     #[error(
         "the field is not Lipschitz at t = {t}, x = {x}: its slope grows without bound on the last \
             part of the way, as of √x at 0, and no solution is the only one beyond; end the run \
@@ -223,7 +223,7 @@ pub enum Error {
     #[error(
         "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to \
             be that long",
-        if *name == "most_events" { "transitions" } else { "steps" }
+        if *name == "most_events" { "transitions" } else { "steps" }, t = readable(*t)
     )]
     TooMany {
         /// Name as in [`crate::Options`].
@@ -236,7 +236,7 @@ pub enum Error {
         x: Point,
     },
     /// The flag of [`crate::dynamics::Interrupt`] was raised.
-    #[error("the run was interrupted at t = {t}, x = {x}; start it again for a result")]
+    #[error("the run was interrupted at t = {t}, x = {x}; start it again for a result", t = readable(*t))]
     Interrupted {
         /// Time reached.
         t: f64,

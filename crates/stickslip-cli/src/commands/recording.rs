@@ -230,6 +230,9 @@ impl Recording {
         let mut friction = FrictionWatch::new(system);
         recording.row(start.0, start.1);
         let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
+            if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
+                recording.monitor.begin_anew();
+            }
             match progress {
                 OrbitProgress::Step => {
                     recording.step(orbit);

@@ -51,6 +51,11 @@ impl StepMonitor {
         }
     }
 
+    /// Begins anew where something other than the step's own length ended it: an event or a kink.
+    pub fn begin_anew(&mut self) {
+        self.ends.clear();
+    }
+
     /// Takes a step into account. Returns a warning, once, if the run is stiff: error control
     /// would allow longer steps, since a polynomial of low degree through the ends of the last
     /// steps meets the end of this one, and stability does not.
@@ -58,14 +63,6 @@ impl StepMonitor {
         let (t, x) = (step.t_end, step.x_end.as_slice());
         for ((low, high), &x) in self.extents.iter_mut().zip(x) {
             (*low, *high) = (low.min(x), high.max(x));
-        }
-        // Behind a jump the orbit begins anew.
-        if self
-            .ends
-            .last()
-            .is_some_and(|(_, x)| x[..] != *step.x_start.as_slice())
-        {
-            self.ends.clear();
         }
         let is_bounded = step.t_end - step.t_start >= 0.99 * self.options.longest_step;
         if self.ends.len() < ENDS || is_bounded || !self.meets(t, x) {

@@ -7,6 +7,7 @@ mod extremes;
 mod friction;
 mod hybrid;
 mod inputs;
+mod instants;
 mod known_answers;
 mod long_formulas;
 mod parse;

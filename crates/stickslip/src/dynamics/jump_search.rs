@@ -33,6 +33,8 @@ pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const 
     most_kinks: u64,
     /// The pending jumps, in order.
     due: VecDeque<usize>,
+    /// Whether a pending jump's function came back before it had left its last zero.
+    is_unresolved: bool,
     /// Whether no step has been taken since the last jump.
     has_jumped: bool,
     is_prescribed: bool,
@@ -65,7 +67,7 @@ where
         let count = if is_prescribed { 0 } else { jumps.count() };
         let search =
             |number| EventSearch::new(view.system, view.when(number), options).only_first();
-        let jump_search = JumpSearch {
+        let mut jump_search = JumpSearch {
             jumps,
             searches: (0..count).map(search).collect(),
             counts: vec![0; count],
@@ -76,11 +78,40 @@ where
             kinks: 0,
             most_kinks: options.most_events,
             due: VecDeque::new(),
+            is_unresolved: false,
             has_jumped: false,
             is_prescribed,
         };
         jump_search.check(integration)?;
+        jump_search.find_due_at_start(integration);
         Ok(Some(jump_search))
+    }
+
+    /// A jump whose function is zero at the start and goes in its direction there is due, unless it
+    /// depends on time alone: the run that ended there has carried it out.
+    fn find_due_at_start(&mut self, integration: &Integration<'a, S, N, G>) {
+        if integration.has_ended() {
+            return;
+        }
+        let (t, x) = (integration.t(), *integration.x());
+        let velocity = integration.velocity();
+        for (number, search) in self.searches.iter().enumerate() {
+            let at = Timed { t, x };
+            let [rising, falling] = [Direction::Rising, Direction::Falling];
+            let way = match search.sign_of_rate(&at, &velocity) {
+                0.0 => continue,
+                rate if rate > 0.0 => rising,
+                _ => falling,
+            };
+            let is_due = self.jumps.direction(number).includes(way)
+                && search.sign_at(&at) == 0.0
+                && search.depends_on_state(&at);
+            if is_due {
+                self.due.push_back(number);
+            }
+        }
+        // A phase of zero length lies before it.
+        self.has_jumped = self.is_due();
     }
 
     /// Whether the functions of all jumps are defined.
@@ -127,9 +158,14 @@ where
         for (number, (search, state)) in self.searches.iter_mut().zip(states).enumerate() {
             let event = search.last_events().first();
             let is_due = event.is_some_and(|at| at.t - t <= TIME_ROUNDING * t.abs());
+            let stands = search.stands_at_zero();
             search.cut(state, &step.x_start, &x);
             if is_due {
                 self.due.push_back(number);
+                self.is_unresolved |= stands;
+                continue;
+            }
+            if search.stands_at_zero() {
                 continue;
             }
             // It may have passed in the other direction since the step began.
@@ -171,8 +207,8 @@ where
     /// Carries out the next pending jump.
     ///
     /// # Errors
-    /// Those of [`Integration::new`] at the state after it, those of too many transitions, and
-    /// [`Error::Undefined`].
+    /// Those of [`Integration::new`] at the state after it, those of too many transitions and of a
+    /// pile-up, and [`Error::Undefined`].
     pub(super) fn jump(
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
@@ -180,6 +216,9 @@ where
         let Some(number) = self.due.pop_front() else {
             return Ok(None);
         };
+        if std::mem::take(&mut self.is_unresolved) {
+            return Err(integration.pile_up_error());
+        }
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
@@ -194,9 +233,8 @@ where
             integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
-            let side = self.side_after(number, integration);
-            self.searches[number].set_side(side);
-            self.detect_jumps(t, [&before, &after], Some(number));
+            self.leave_zero(number, residual, integration);
+            self.detect_jumps(integration, [&before, &after], Some(number));
         }
         Ok(Some(Transition {
             t,
@@ -209,13 +247,16 @@ where
         }))
     }
 
-    /// The sign of a jump's function just after it; 0 where its rate does not decide.
-    fn side_after(&self, number: usize, integration: &Integration<'a, S, N, G>) -> f64 {
-        let (t, x) = (integration.t(), *integration.x());
-        let search = &self.searches[number];
-        match search.sign_at(&Timed { t, x }) {
-            0.0 => search.sign_of_rate(&Timed { t, x }, &integration.velocity()),
-            sign => sign,
+    /// What a jump's function is just after it: at zero, up to what was `left` of it before, or not.
+    fn leave_zero(&mut self, number: usize, left: f64, integration: &Integration<'a, S, N, G>) {
+        let at = Timed {
+            t: integration.t(),
+            x: *integration.x(),
+        };
+        let search = &mut self.searches[number];
+        match search.sign_beyond(left, integration.distance_to_settle(), &at) {
+            0.0 => search.stand_at_zero(left, search.sign_of_rate(&at, &integration.velocity())),
+            sign => search.set_side(sign),
         }
     }
 
@@ -250,7 +291,7 @@ where
         }
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
-        self.detect_jumps(t, [&before, &after], None);
+        self.detect_jumps(integration, [&before, &after], None);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
             pending.extend(phase.map(OrbitProgress::PhaseEnd));
@@ -261,13 +302,22 @@ where
     }
 
     /// Detects the jumps whose functions have passed through zero between two states of one
-    /// instant.
-    fn detect_jumps(&mut self, t: f64, [before, after]: [&State<N>; 2], but: Option<usize>) {
-        if self.is_prescribed {
-            return;
-        }
-        for (number, search) in self.searches.iter_mut().enumerate() {
+    /// instant. One that stands at zero has not left it.
+    fn detect_jumps(
+        &mut self,
+        integration: &Integration<'a, S, N, G>,
+        [before, after]: [&State<N>; 2],
+        but: Option<usize>,
+    ) {
+        let t = integration.t();
+        for number in 0..self.searches.len() {
             if Some(number) == but || self.due.contains(&number) {
+                continue;
+            }
+            let search = &mut self.searches[number];
+            if search.stands_at_zero() {
+                let left = search.left_of_zero();
+                self.leave_zero(number, left, integration);
                 continue;
             }
             let at = |x: &State<N>| search.sign_at(&Timed { t, x: *x });

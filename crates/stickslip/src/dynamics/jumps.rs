@@ -8,7 +8,8 @@ use crate::scalar::Scalar;
 ///
 /// A jump occurs where its function passes through zero in the required direction, by the motion,
 /// by another jump or by a kink. A function that the jump itself leaves at zero triggers no other
-/// jump before it has left zero. Simultaneous jumps are carried out in their order.
+/// jump before it has left zero. Simultaneous jumps are carried out in their order. A function of
+/// the state that is zero at a start and goes in that direction makes its jump there.
 ///
 /// ```
 /// use stickslip::dynamics::{AsDynamics, OrbitProgress, Jumps, Moment, Section, WithJumps};

@@ -155,7 +155,7 @@ impl Default for Options {
             pile_up_count: 100,
             pile_up_span: 1e-7,
             most_events: 10_000_000,
-            most_steps: 1_000_000_000,
+            most_steps: 10_000_000,
         }
     }
 }

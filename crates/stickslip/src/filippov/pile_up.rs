@@ -265,11 +265,16 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     }
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
-    /// the same ratio. Of all rounds, the one with the least uncertainty of the remaining time
-    /// counts. The very last rounds may be rounding.
+    /// the same ratio. Of all rounds, those with the least uncertainty of the limit count. Its
+    /// difference from the limit by the rounds one transition earlier is part of that: the very
+    /// last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
         let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
-            let one = self.series_by_rounds(round, newest);
+            let mut one = self.series_by_rounds(round, newest);
+            let earlier = self.series_by_rounds(round, newest + 1);
+            if let (Some(one), Some(earlier)) = (&mut one, earlier) {
+                one.uncertainty += (one.at.t - earlier.at.t).abs();
+            }
             match (&best, &one) {
                 (Some(old), Some(new)) if new.uncertainty >= old.uncertainty => best,
                 (_, None) => best,
@@ -281,12 +286,18 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         let shortest = time_rounding(self.nth_last(0).at.t) / (SERIES_AGREEMENT * SERIES_AGREEMENT);
         let lasts = |k: usize| self.nth_last(k).at.t - self.nth_last(k + 1).at.t;
         let newest = (0..phases).find(|&k| lasts(k) > shortest)?;
-        let rounds = 1..=(phases - newest) / 3;
-        rounds.map(|round| (newest, round)).fold(None, best)
+        let rounds = (newest..phases).flat_map(|newest| {
+            let rounds = 1..=(phases - newest) / 3;
+            rounds.map(move |round| (newest, round))
+        });
+        rounds.fold(None, best)
     }
 
     /// The series by three rounds of `round` transitions, the last of them the `newest`-th last.
     fn series_by_rounds(&self, round: usize, newest: usize) -> Option<GeometricSeries<N>> {
+        if newest + 3 * round >= self.recorded() {
+            return None;
+        }
         let contact = |back: usize| self.nth_last(newest + back).contact;
         if !(0..2 * round).all(|back| contact(back) == contact(back + round)) {
             return None;

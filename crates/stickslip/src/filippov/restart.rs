@@ -8,7 +8,7 @@ use super::taylor::MAX_GROWTH;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::Ending;
-use crate::system::{State, components};
+use crate::system::{Mode, State, components};
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
     /// Cuts the last step at a state inside it, where the run ends.
@@ -33,6 +33,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     /// Whether the end of a phase is reported next.
     pub(crate) fn ends_phase(&self) -> bool {
         matches!(self.due, Due::PhaseEnd(_))
+    }
+
+    /// Whether the run has ended, or ends next.
+    pub(crate) fn has_ended(&self) -> bool {
+        matches!(self.due, Due::End(_))
     }
 
     /// Whether it stays in its mode regardless of the guards.
@@ -106,8 +111,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         State::from(self.system.with_flow(self.mode, self.branch, velocity))
     }
 
+    /// How far the state may move where the next step begins: onto the manifold of a stick.
+    pub(crate) fn distance_to_settle(&self) -> f64 {
+        match S::of_contacts(&self.mode).contains(&Mode::Stick) {
+            true => self.run.slack(),
+            false => 0.0,
+        }
+    }
+
     /// The error for a pile-up of the last transitions.
-    fn pile_up_error(&self) -> Error {
+    pub(crate) fn pile_up_error(&self) -> Error {
         let (at, options) = (&self.run.at, &self.run.options);
         let series = self.pile_up.series();
         self.pile_up.error(at, series.as_ref(), false, options)

@@ -1,11 +1,14 @@
 //! The state of a run between steps, and the errors of a step.
 
+use std::ops::RangeInclusive;
+
 use super::deflation::has_left_zero;
-use super::flow::{Flow, seeded};
+use super::flow::Flow;
 use super::guard::Event;
 use super::observer::StepRecord;
 use super::options::Options;
 use super::uncertainty::EVENT_PRECISION;
+use crate::dual::Dual3;
 use crate::error::{Error, Point};
 use crate::ode::control::first_step;
 use crate::ode::{Dense, Timed};
@@ -20,11 +23,9 @@ pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// its times. Chosen: a run up to a singularity spans more than that.
 const TOO_LATE: f64 = 1e6;
 
-/// Part of the way that a component would still move at its present slowing down, and the growth of
-/// its slope over it beyond which a field is not Lipschitz. Chosen: the slope of `-√x` grows by the
-/// root of 2 there, that of a smooth field not at all within the tolerance.
-const WAY_PART: f64 = 0.25;
-const STEEPENING: f64 = 1.2;
+/// Powers of the distance, as which a rate may vanish, that are not Lipschitz. Chosen: a smooth rate
+/// has power 1, `x ln x` has more than 0.94 above 1e-8, and one that does not vanish has 0.
+const ROOTS: RangeInclusive<f64> = 0.1..=0.91;
 
 /// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
@@ -170,7 +171,10 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     /// The step shrank until time no longer moves, by a setting, by the rounding of time or by the
     /// solution.
-    pub(crate) fn collapse(&self, slope: &State<N>, step: f64) -> Error {
+    pub(crate) fn collapse<F: Flow<N>>(&self, flow: &F, slope: &State<N>, step: f64) -> Error {
+        if let Err(error) = self.check_lipschitz(flow) {
+            return error;
+        }
         if slope.iter().any(|v| !v.is_finite()) {
             return self.non_finite(step);
         }
@@ -221,25 +225,25 @@ impl<const N: usize, const G: usize> Run<N, G> {
         Ok(())
     }
 
-    /// Refuses a state near which the field is not Lipschitz, after a step was rejected there: the
-    /// slope of a rate that falls to zero grows within the tolerance.
+    /// Refuses a state from which a component comes within the tolerance to where the field is not
+    /// Lipschitz, after a step was rejected there. Near such a place the component's rate is a power
+    /// of the distance, below 1; its value and two slopes give power, distance and time left.
     #[cold]
     pub(crate) fn check_lipschitz<F: Flow<N>>(&self, flow: &F) -> Result<(), Error> {
-        let in_component = |at: &Timed<N>, i: usize| {
-            let (t, x) = seeded(at, i);
-            flow.field(t, &x)[i]
-        };
+        let Timed { t, x } = &self.at;
+        let constant = |value: f64| Dual3::new(value, 0.0, 0.0, 0.0);
         for i in 0..self.states {
-            let mut near = self.at;
-            let rate = in_component(&near, i);
-            let way = -WAY_PART * rate.re / rate.eps;
-            near.x[i] += way;
-            let tolerance = self.options.atol + self.options.rtol * near.x[i].abs();
-            if rate.eps < 0.0
-                && way.abs() <= tolerance
-                && in_component(&near, i).eps < STEEPENING * rate.eps
-            {
-                let (t, x) = (self.at.t, Point::from(&self.at.x));
+            let mut along: [_; N] = std::array::from_fn(|k| constant(x[k]));
+            along[i].v1 = 1.0;
+            let rate = flow.field(constant(*t), &along)[i];
+            let power = 1.0 / (1.0 - rate.re * rate.v2 / (rate.v1 * rate.v1));
+            let distance = -power * rate.re / rate.v1;
+            let tolerance = self.options.atol + self.options.rtol * (x[i] + distance).abs();
+            if ROOTS.contains(&power) && rate.v1 < 0.0 && distance.abs() <= tolerance {
+                let mut x = *x;
+                x[i] += distance;
+                let t = t + distance / (rate.re * (1.0 - power));
+                let x = Point::from(&x);
                 return Err(Error::NotLipschitz { t, x });
             }
         }

@@ -180,7 +180,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         loop {
             let (h, is_last) = self.next_step();
             if self.is_too_short(h, is_last) {
-                return Err(self.collapse(&slope, h));
+                return Err(self.collapse(flow, &slope, h));
             }
             let step = stages::<M, f64, _>(field, t, &x, slope, h);
             self.counters.field_calls += flow.field_calls() * (M::COEFFICIENTS.stages as u64 - 1);

@@ -22,6 +22,10 @@ const FIRST_PROBE: f64 = 1.0 / ((1_u32 << 27) as f64);
 /// zero at the step's end. Chosen far above rounding: a resting function has a rate of rounding.
 const PASSING_RATE: f64 = 1024.0;
 
+/// Rounding of a single value, as a part of what many operations accumulate. Chosen: four units in
+/// the last place of 64.
+const SINGLE_VALUE: f64 = 0.0625;
+
 /// Largest number of Newton iterations for a zero: twice what bisection alone takes.
 const MAX_ITERATIONS: usize = 100;
 
@@ -33,6 +37,8 @@ pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E
     pub over: OverStep<'a, S, V, K, N>,
     /// Last sign of the function beyond rounding; 0 while unknown.
     pub side: f64,
+    /// Whether the function stands at a zero that it has not left beyond rounding.
+    pub stands: bool,
     /// The function on the dense output at the points of [`UNIT_NODES`].
     pub samples: [f64; NODES],
 }
@@ -62,6 +68,7 @@ where
         // they resolve; bounds do.
         let is_clear = || self.over.is_smooth() || self.over.is_clear(self.side, (0.0, 1.0));
         if is_far && (is_clear() || self.first_bracket(0.0).is_none()) {
+            self.stands = false;
             return ControlFlow::Continue(());
         }
         self.search(on_crossing)
@@ -77,11 +84,15 @@ where
                     return ControlFlow::Continue(());
                 };
                 if self.side * left.value < 0.0 && !from.value.is_nan() {
-                    self.report(&from, on_crossing)?;
+                    let before = self.last_before(&from, &left);
+                    self.stands &= before.is_none();
+                    let zero = before.and_then(|before| self.zero(&before, &left, before.s));
+                    self.report(&zero.unwrap_or(from), on_crossing)?;
                 }
                 self.side = left.value.signum();
                 from = left;
             }
+            self.stands = false;
             match self.next(&from) {
                 NextCrossing::Crossing(zero, after) => {
                     self.report(&zero, on_crossing)?;
@@ -130,6 +141,31 @@ where
     /// Whether the function has its last sign, beyond rounding.
     fn is_clear(&self, probe: &EventProbe<N>) -> bool {
         self.side * probe.value > self.over.rounding_at(probe)
+    }
+
+    /// A place before the function has passed through zero, as far as single values resolve it:
+    /// where the search begins, or where the function turns back.
+    fn last_before(&self, from: &EventProbe<N>, left: &EventProbe<N>) -> Option<EventProbe<N>> {
+        let is_before = |probe: &EventProbe<N>| {
+            self.side * probe.value > SINGLE_VALUE * self.over.rounding_at(probe)
+        };
+        if is_before(from) {
+            return Some(*from);
+        }
+        let (mut turn, mut after) = (*from, left.s);
+        for _ in 0..MAX_ITERATIONS {
+            let middle = 0.5 * (turn.s + after);
+            if middle <= turn.s || middle >= after {
+                break;
+            }
+            let probe = self.exact(middle);
+            if self.side * probe.rate > 0.0 {
+                turn = probe;
+            } else {
+                after = middle;
+            }
+        }
+        Some(turn).filter(is_before)
     }
 
     fn report(

@@ -23,6 +23,8 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     /// Recent size of the state's components. A component that passes through zero is not more
     /// accurate there.
     pub size: &'a State<N>,
+    /// What counts as zero: 0, or what is left of a zero at which the function stood.
+    pub zero: f64,
 }
 
 /// A state in a step, with the function's value and rate.
@@ -49,7 +51,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         let StepRecord { t_start, dense, .. } = self.step;
         let part = s * self.length();
         let x = dense.at(part / dense.h);
-        self.events.values(t_start + part, components(&x))[self.number]
+        self.events.values(t_start + part, components(&x))[self.number] - self.zero
     }
 
     /// Whether samples of the step resolve the function.
@@ -70,7 +72,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         let times = Interval::new(t_start + from, t_start + to);
         let states = dense.enclosure_between(from / dense.h, to / dense.h);
         let values = Interval::decided(|| self.events.values(times, &states));
-        values.is_some_and(|values| (values[self.number] * side).low > 0.0)
+        values.is_some_and(|values| ((values[self.number] - self.zero) * side).low > 0.0)
     }
 
     /// State and function as exactly as the step gives them.
@@ -100,7 +102,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         EventProbe {
             s,
             at,
-            value: re,
+            value: re - self.zero,
             rate: eps,
         }
     }

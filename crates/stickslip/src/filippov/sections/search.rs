@@ -15,6 +15,21 @@ use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::Timed;
 use crate::system::{State, components};
 
+/// Whether a function stands at a zero. It is compared with the value there, which location and
+/// rounding leave, until it has the sign that it left with.
+#[derive(Clone, Copy, Default)]
+enum Standing {
+    /// No longer.
+    #[default]
+    Left,
+    /// At its value where the next step begins; location leaves this much at most.
+    AtStart(f64),
+    /// At this value.
+    At(f64),
+    /// It has left this value.
+    Leaving(f64),
+}
+
 /// Searches for zeros of the user's functions in the steps of a run that something else drives. An
 /// [`crate::Observer`] owns one and gives it every step. To drive the run yourself, use
 /// [`crate::Watched`].
@@ -60,6 +75,8 @@ pub struct EventSearch<
     method: Method,
     /// Last sign of each function; 0 while unknown.
     sides: [f64; E],
+    /// Whether each function stands at a zero.
+    standing: [Standing; E],
     /// Recent size of the state's components.
     size: State<N>,
     last_events: Vec<EventRecord<N, S::Mode>>,
@@ -79,6 +96,7 @@ where
             events,
             method: options.method,
             sides: [0.0; E],
+            standing: [Standing::default(); E],
             size: State::zeros(),
             last_events: Vec::new(),
             only_first: false,
@@ -126,19 +144,33 @@ where
         let (events, only_first) = (&mut self.last_events, self.only_first);
         for number in 0..E {
             let requested = self.events.direction(number);
-            let over = OverStep {
+            let (side, standing) = (self.sides[number], &mut self.standing[number]);
+            if let Standing::AtStart(_) = standing {
+                let x = components(&step.x_start);
+                *standing = Standing::At(self.events.values(step.t_start, x)[number]);
+            }
+            let mut over = OverStep {
                 system: self.system,
                 events: &self.events,
                 number,
                 step,
                 method: self.method,
                 size: &self.size,
+                zero: 0.0,
             };
-            let side = self.sides[number];
+            if let Standing::At(zero) | Standing::Leaving(zero) = *standing {
+                let start = over.exact(0.0);
+                if side * start.value > 4.0 * over.rounding_at(&start) {
+                    *standing = Standing::Left;
+                } else {
+                    over.zero = zero;
+                }
+            }
             let samples = [0.0; NODES];
             let mut crossings = Crossings::<S, V, _, N, G, E> {
                 over,
                 side,
+                stands: matches!(standing, Standing::At(_)),
                 samples,
             };
             let _ = crossings.each(&mut |probe, direction| {
@@ -158,6 +190,9 @@ where
                 ControlFlow::Continue(())
             });
             self.sides[number] = crossings.side;
+            if let (Standing::At(zero), false) = (*standing, crossings.stands) {
+                *standing = Standing::Leaving(zero);
+            }
         }
         events
             .sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
@@ -176,6 +211,7 @@ fn clear_sign(value: f64, size: f64) -> f64 {
 /// State of the search for the zeros of one function after the steps so far.
 pub(crate) struct SearchState<const N: usize> {
     side: f64,
+    standing: Standing,
     size: State<N>,
 }
 
@@ -187,6 +223,17 @@ where
     /// Last sign of the only function; 0 while unknown.
     pub(crate) fn side(&self) -> f64 {
         self.sides[0]
+    }
+
+    /// The sign of the only function at a moment; 0 where it may be rounding, or is within what is
+    /// `left` of its zero by location, and by a distance of the state from a manifold.
+    pub(crate) fn sign_beyond(&self, left: f64, distance: f64, at: &Timed<N>) -> f64 {
+        let [value] = self.events.values(at.t, components(&at.x));
+        let (slopes, _) = gradient(|t, x| self.events.values(t, x)[0], at);
+        match value.abs() <= left + slopes.abs().sum() * distance {
+            true => 0.0,
+            false => self.sign_at(at),
+        }
     }
 
     /// The sign of the only function at a moment; 0 where it may be rounding.
@@ -204,10 +251,17 @@ where
         clear_sign(slopes.dot(velocity) + in_time, size)
     }
 
+    /// Whether the state moves the only function.
+    pub(crate) fn depends_on_state(&self, at: &Timed<N>) -> bool {
+        let (slopes, _) = gradient(|t, x| self.events.values(t, x)[0], at);
+        slopes.iter().any(|slope| *slope != 0.0)
+    }
+
     /// State of the search after the steps so far.
     pub(crate) fn state(&self) -> SearchState<N> {
         SearchState {
             side: self.sides[0],
+            standing: self.standing[0],
             size: self.size,
         }
     }
@@ -215,11 +269,36 @@ where
     /// Forgets the part of the last step after the state at which the step is cut.
     pub(crate) fn cut(&mut self, before: SearchState<N>, start: &State<N>, at: &State<N>) {
         (self.sides[0], self.size) = (before.side, before.size);
+        // It may have left after that state.
+        if let (Standing::AtStart(_) | Standing::At(_), Standing::Leaving(zero)) =
+            (before.standing, self.standing[0])
+        {
+            self.standing[0] = Standing::At(zero);
+        }
         self.note_size([start, at]);
     }
 
     /// Sets the last sign of the only function; 0 if the state starts anew.
     pub(crate) fn set_side(&mut self, side: f64) {
-        self.sides[0] = side;
+        (self.sides[0], self.standing[0]) = (side, Standing::Left);
+    }
+
+    /// The only function stands at zero, of which location leaves this much at most, and leaves it
+    /// with this sign, as far as that is known.
+    pub(crate) fn stand_at_zero(&mut self, left: f64, side: f64) {
+        (self.sides[0], self.standing[0]) = (side, Standing::AtStart(left));
+    }
+
+    /// What location leaves of the zero at which the only function stands.
+    pub(crate) fn left_of_zero(&self) -> f64 {
+        match self.standing[0] {
+            Standing::AtStart(left) | Standing::At(left) => left.abs(),
+            Standing::Left | Standing::Leaving(_) => 0.0,
+        }
+    }
+
+    /// Whether the only function has not left its last zero.
+    pub(crate) fn stands_at_zero(&self) -> bool {
+        matches!(self.standing[0], Standing::AtStart(_) | Standing::At(_))
     }
 }

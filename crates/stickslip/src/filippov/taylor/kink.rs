@@ -35,11 +35,11 @@ pub(super) struct Kink {
 }
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
-    /// The first change of a comparison in the step that the series depends on. Also returns
-    /// whether two compared numbers are equal at the start and the result changes after it.
+    /// The first change of a comparison in the step that the series depends on, or at the end of
+    /// the run up to rounding. Also returns whether two compared numbers are equal at the start and the result changes after it.
     pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let step_series = &self.step_series;
-        let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
+        let (mut first, mut at_end, mut is_tie): (Option<Kink>, _, _) = (None, None, false);
         for c in &self.choices {
             let c = &c[..=step_series.order];
             // Numbers that are equal throughout give the same result throughout.
@@ -50,10 +50,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let s = if c_left[0] <= 0.0 {
                 0.0
             } else {
-                match first_zero(c_left) {
-                    Some(s) => s,
-                    None => continue,
-                }
+                first_zero(c_left).unwrap_or(1.0)
             };
             let size: f64 = c.iter().map(|c| c.abs()).sum();
             let mut after = s;
@@ -80,9 +77,18 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     certain,
                     after,
                 });
+            } else if self.is_last
+                && first.is_none()
+                && power_series(c, 1.0).0 <= 8.0 * f64::EPSILON * size
+            {
+                at_end = Some(Kink {
+                    before: 1.0,
+                    certain: CERTAIN_PART,
+                    after: 1.0,
+                });
             }
         }
-        (first, is_tie)
+        (first.or(at_end), is_tie)
     }
 }
 

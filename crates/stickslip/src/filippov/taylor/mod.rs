@@ -330,7 +330,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             // themselves overflowed.
             run.reject_undefined(NON_FINITE_SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
-                return Err(run.collapse(&flow.velocity(t, &x), run.h));
+                return Err(run.collapse(flow, &flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);
         }
@@ -339,7 +339,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let event = if self.is_clear || run.is_prescribed {
             Ok(None)
         } else {
-            let reach = kink.map_or((1.0, at), |kink| {
+            let reach = kink.filter(|kink| kink.before < 1.0);
+            let reach = reach.map_or((1.0, at), |kink| {
                 (kink.before, step_series.at(kink.before).0)
             });
             self.first_event(run, flow, &reach)
@@ -370,7 +371,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let kink = kink.filter(|_| event.is_none());
         if let Some(kink) = kink {
             part = kink.after;
-            (at, remainder) = step_series.at(part);
+            if part < 1.0 {
+                (at, remainder) = step_series.at(part);
+            }
         }
         match &event {
             Some(located) => (at, remainder) = (located.event.at, located.remainder),

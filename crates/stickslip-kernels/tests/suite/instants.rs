@@ -1,0 +1,202 @@
+//! Several things at one instant: contacts beside jumps, functions that are left at zero, starts and
+//! ends at a jump. All have closed forms.
+
+use std::f64::consts::{PI, TAU};
+
+use stickslip::{Error, Options, math};
+
+use stickslip::statistics::SplitMix;
+use crate::run::{METHODS, Run, end, options, simulated_by, system};
+
+fn at(tolerance: f64, method: &str) -> Options {
+    Options {
+        rtol: tolerance,
+        atol: tolerance,
+        ..options(method)
+    }
+}
+
+/// A block with friction that a force presses against a wall.
+#[derive(Debug)]
+struct Pressed {
+    force: f64,
+    friction: f64,
+    wall: f64,
+    restitution: f64,
+    speed: f64,
+}
+
+impl Pressed {
+    fn text(&self) -> String {
+        let Pressed {
+            force,
+            friction,
+            wall,
+            restitution,
+            speed,
+        } = self;
+        format!(
+            "name = \"case\"\n[time]\nend = 1000\n[states]\nx = \"\"\nv = \"\"\n\
+             [contacts.floor]\nboundary = \"v\"\nfriction = \"{friction}\"\n\
+             [jumps.wall]\nwhen = \"x - {wall}\"\ndirection = \"rising\"\n\
+             set = {{ v = \"-{restitution}*v\" }}\n\
+             [field]\nx = \"v\"\nv = \"{force} - friction(floor)\"\n\
+             [start]\nx = 0\nv = {speed}\n"
+        )
+    }
+
+    /// When impacts and turns accumulate: each flight takes that part of the speed before it.
+    fn end(&self) -> f64 {
+        let (away, back) = (self.force + self.friction, self.force - self.friction);
+        let first = (self.speed * self.speed + 2.0 * back * self.wall).sqrt();
+        let ratio = self.restitution * (back / away).sqrt();
+        let flight = self.restitution * first * (1.0 / away + 1.0 / (away * back).sqrt());
+        (first - self.speed) / back + flight / (1.0 - ratio)
+    }
+}
+
+#[test]
+fn impacts_and_turns_of_a_block_with_friction_accumulate_at_the_wall() {
+    let mut draw = SplitMix::new(63);
+    for number in 0..200 {
+        let force = draw.between(0.5, 5.0);
+        let case = Pressed {
+            force,
+            friction: force * draw.between(0.05, 0.9),
+            wall: draw.between(0.1, 3.0),
+            restitution: draw.between(0.1, 0.9),
+            speed: draw.between(0.0, 2.0),
+        };
+        let tolerance = [1e-8, 1e-10, 1e-12][number % 3];
+        let run = Run::of(
+            system(&case.text()),
+            &at(tolerance, METHODS[number / 3 % 2]),
+            None,
+        );
+        let what = format!("{number}: {case:?}");
+        let Err(Error::EventPileUp { accumulation, .. }) = run.ended else {
+            panic!("{what}: {:?}", run.ended);
+        };
+        let point = accumulation.unwrap_or_else(|| panic!("{what}: not named"));
+        let off = (point.t - case.end()).abs();
+        // The error of the run comes on top of that of the extrapolation.
+        let allowed = 2.0 * point.uncertainty + 100.0 * tolerance * case.end();
+        assert!(off < allowed && allowed < 1e-5, "{what}: {off:e}");
+        assert!((point.x.0[0] - case.wall).abs() < 1e-6, "{what}");
+    }
+}
+
+#[test]
+fn a_velocity_in_stick_passes_a_level_once_at_a_time() {
+    let mut draw = SplitMix::new(64);
+    for number in 0..150 {
+        let (size, rate) = (draw.between(0.1, 0.3), draw.between(1.0, 3.0));
+        let (mean, level) = (draw.between(-0.03, 0.03), draw.between(-0.9, 0.9));
+        let rises = draw.between(0.0, 1.0) > 0.5;
+        let text = format!(
+            "name = \"case\"\n[time]\nend = 40\n[states]\nx = \"\"\nv = \"\"\n\
+             [contacts.belt]\nboundary = \"v - {size}*sin({rate}*t) - {mean}\"\nfriction = \"5\"\n\
+             [discrete]\nn = 0\n\
+             [jumps.j]\nwhen = \"v - {}\"\ndirection = \"{}\"\nset = {{ n = \"n + 1\" }}\n\
+             [field]\nx = \"v\"\nv = \"-x - friction(belt)\"\n[start]\nx = 0\nv = {mean}\n",
+            mean + size * level,
+            if rises { "rising" } else { "falling" },
+        );
+        // sin(rate t) = level.
+        let first = match (rises, 0.5 * PI - math::acos(level)) {
+            (true, angle) => angle.rem_euclid(TAU) / rate,
+            (false, angle) => (PI - angle).rem_euclid(TAU) / rate,
+        };
+        let times = (0..).map(|k| first + f64::from(k) * TAU / rate);
+        let times: Vec<f64> = times.take_while(|t| *t < 40.0).collect();
+        let tolerance = [1e-6, 1e-8, 1e-12][number / 2 % 3];
+        let method = METHODS[number % 2];
+        let (run, jumps) = simulated_by(&text, &at(tolerance, method), None);
+        assert_eq!(jumps.len(), times.len(), "{number} {method}:\n{text}");
+        assert_eq!(end(&run, "n"), times.len() as f64);
+        for ((t, ..), exact) in jumps.iter().zip(&times) {
+            assert!((t - exact).abs() < 10.0 * tolerance, "{number}: {t} {exact}");
+        }
+    }
+}
+
+#[test]
+fn a_jump_whose_function_another_one_moves_on_has_happened() {
+    for method in METHODS {
+        let text = "name = \"case\"\n[time]\nend = 3\n[states]\nx = \"\"\n[discrete]\nn = 0\n\
+                    [jumps.count]\nwhen = \"x - 1\"\ndirection = \"rising\"\nset = { n = \"n + 1\" }\n\
+                    [jumps.push]\nwhen = \"t - 1\"\ndirection = \"rising\"\nset = { x = \"x + 0.5\" }\n\
+                    [field]\nx = \"1\"\n[start]\nx = 0\n";
+        let (run, jumps) = simulated_by(text, &options(method), None);
+        assert_eq!(jumps.len(), 2, "{jumps:?}");
+        assert_eq!((end(&run, "n"), end(&run, "x")), (1.0, 3.5));
+    }
+}
+
+#[test]
+fn a_ball_on_a_rising_floor_comes_to_rest_and_is_thrown_again() {
+    // The relative speed halves until it is below a millionth: after twenty bounces.
+    let text = "name = \"case\"\n[time]\nend = 200\n[states]\nx = \"\"\nv = \"\"\n\
+                [discrete]\na = 1\nu = 10\n\
+                [inputs.clock]\nshape = \"sawtooth\"\nperiod = 5\nphase = 0.5\n\
+                [jumps.bounce]\nwhen = \"x - 0.3*t\"\ndirection = \"falling\"\n\
+                set = { v = \"0.3 - (v - 0.3)/2\", u = \"-(v - 0.3)/2\" }\n\
+                [jumps.rest]\nwhen = \"u - 1e-6\"\ndirection = \"falling\"\n\
+                set = { v = \"0.3\", a = \"0\", u = \"10\" }\n\
+                [jumps.throw]\nwhen = \"clock - 0.5\"\ndirection = \"rising\"\n\
+                set = { v = \"1.3\", a = \"1\", x = \"0.3*t\" }\n\
+                [field]\nx = \"v\"\nv = \"-a\"\n[start]\nx = \"0\"\nv = \"1.3\"\n";
+    for method in METHODS {
+        let (_, jumps) = simulated_by(text, &options(method), None);
+        for (name, count) in [("bounce", 800), ("rest", 40), ("throw", 40)] {
+            let found = jumps.iter().filter(|(_, _, of)| of == name).count();
+            assert_eq!(found, count, "{method} {name}");
+        }
+    }
+}
+
+#[test]
+fn a_body_that_starts_on_the_floor_and_falls_bounces_at_once() {
+    for method in METHODS {
+        for (height, speed, first) in [
+            (0.0, -1.0, Some(0.0)),
+            (1e-16, -1.0, Some(0.0)),
+            (0.0, 1.0, Some(2.0)),
+            (-1.0, -1.0, None),
+        ] {
+            let text = format!(
+                "name = \"case\"\n[time]\nend = 2.5\n[states]\nh = \"\"\nv = \"\"\n\
+                 [jumps.floor]\nwhen = \"h\"\ndirection = \"falling\"\nset = {{ v = \"-0.5*v\" }}\n\
+                 [field]\nh = \"v\"\nv = \"-1\"\n[start]\nh = {height}\nv = {speed}\n"
+            );
+            let (run, jumps) = simulated_by(&text, &options(method).escape(1e9), 0.9);
+            let at = jumps.first().map(|(t, ..)| *t);
+            let first = first.filter(|t| *t < 0.9);
+            assert_eq!(at.is_some(), first.is_some(), "{method} {height} {speed}");
+            if let (Some(at), Some(first)) = (at, first) {
+                assert!((at - first).abs() < 1e-12, "{method}: {at}");
+                assert!((end(&run, "v") - (0.5 - 0.9)).abs() < 1e-12);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_clock_counts_the_same_in_pieces_that_end_at_its_beats() {
+    for method in METHODS {
+        let (mut x, mut n) = (0.0, 0.0);
+        for piece in 0..6 {
+            let until = f64::min(f64::from(piece) + 1.0, 5.5);
+            let text = format!(
+                "name = \"case\"\n[time]\nstart = {piece}\nend = {until}\n[states]\nx = \"\"\n\
+                 [discrete]\nn = {n}\n\
+                 [jumps.beat]\nwhen = \"sin(2*pi*t)\"\ndirection = \"rising\"\n\
+                 set = {{ n = \"n + 1\" }}\n[field]\nx = \"n\"\n[start]\nx = {x}\n"
+            );
+            let (run, _) = simulated_by(&text, &options(method), None);
+            (x, n) = (end(&run, "x"), end(&run, "n"));
+        }
+        assert_eq!(n, 5.0, "{method}");
+        assert!((x - 12.5).abs() < 1e-10, "{method}: {x}");
+    }
+}
