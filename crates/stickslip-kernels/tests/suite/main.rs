@@ -9,6 +9,7 @@ mod hybrid;
 mod inputs;
 mod known_answers;
 mod long_formulas;
+mod orbits;
 mod parse;
 mod pile_ups;
 mod public_cases;

@@ -217,16 +217,13 @@ impl Continuation<'_> {
         let fewer = [&all[1..nodes.len() - 1], &apart].map(zero_of_polynomial);
         let off =
             |other: Option<(f64, f64)>| other.map_or(f64::NAN, |(_, p)| (parameter - p).abs());
-        // The tolerances have the largest effect at the nearest node. Next to a multiplier of 1,
-        // errors of each orbit amplify it. Chosen: four times the margin of other places.
+        // Errors of integration have the largest effect at the nearest node. Next to a multiplier of
+        // 1, errors of each orbit amplify it. Chosen: four times the margin of other places.
         const SAFETY_AT_ONE: f64 = 4.0 * SAFETY;
-        let finer = Shooting {
-            options: &self.shooting.options.finer(),
-            ..self.shooting
-        };
+        let finer = self.shooting.finer();
         let (first, last) = (nodes.first()?, nodes.last()?);
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
-        let by_tolerance = node(nearest.s, &finer).map_or(f64::NAN, |finer| {
+        let of_steps = node(nearest.s, &finer).map_or(f64::NAN, |finer| {
             let range = parameter_of(&last.cycle) - parameter_of(&first.cycle);
             let along = (finer.value - nearest.value) * range / (last.value - first.value);
             SAFETY_AT_ONE
@@ -236,7 +233,7 @@ impl Continuation<'_> {
             s,
             parameter,
             solution: nearest.cycle.clone(),
-            uncertainty: off(fewer[0]) + off(fewer[1]) + by_tolerance,
+            uncertainty: off(fewer[0]) + off(fewer[1]) + of_steps,
         })
     }
 
