@@ -85,10 +85,10 @@ impl<'a> Shooting<'a> {
         let farthest = guess.begin.x.amax() + FARTHEST * self.extent;
         let bounded = self.options.escape(self.options.escape.min(farthest));
         let guessed = guess.period();
-        let mut outline = self.in_period(match guess.cut {
+        let mut outline = match guess.cut {
             Some(_) => guess.clone(),
             None => self.cut(guess, &bounded)?,
-        });
+        };
         let mut last_residual = f64::INFINITY;
         for iterations in 1..=MOST_ITERATIONS {
             let equations = self.equations(&outline, guess, &bounded)?;
@@ -143,7 +143,8 @@ impl<'a> Shooting<'a> {
     }
 
     /// The outline of which the longest segment is changed so that it lasts for the period of the
-    /// forcing: that is no unknown.
+    /// forcing: that is no unknown. It is for iterates, which lack rounding of it. A guess from a
+    /// run may lack far more: its segments fit their events, and the next iterate shares the rest.
     fn in_period(&self, mut outline: Outline) -> Outline {
         let missing = self.forced.map_or(0.0, |period| period - outline.period());
         let rounding = ULPS * f64::EPSILON * outline.period();
