@@ -415,15 +415,17 @@ pub enum Error {
     },
     /// A search failed on which the computation relies.
     #[error(
-        "{what} was not found within {span} time units after t = {t}",
-        t = readable(*t), span = readable(*span)
+        "{what} was not found {}t = {t}", match *span > 0.0 {
+            true => format!("within {} time units after ", readable(*span)),
+            false => "at ".to_owned(),
+        }, t = readable(*t)
     )]
     NotFound {
         /// What was sought.
         what: &'static str,
         /// Where the search began.
         t: f64,
-        /// How far it went.
+        /// How far it went; 0 where it followed no orbit.
         span: f64,
     },
     /// The orbit reached a repelling part of Σ, or a two-fold, so that the analysis cannot continue

@@ -42,6 +42,14 @@ pub(super) fn columns<'a, R>(
         })
 }
 
+/// Why a run failed.
+pub(super) fn reason(reached: &Attractor) -> Option<String> {
+    match &reached.kind {
+        AttractorKind::Failure(error) => Some(error.to_string()),
+        _ => None,
+    }
+}
+
 /// Period of a periodic orbit, rounded to its significant digits.
 pub(super) fn rounded_period(kind: &AttractorKind, uncertainty: f64) -> Option<f64> {
     match *kind {

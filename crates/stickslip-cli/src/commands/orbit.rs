@@ -6,8 +6,8 @@ use super::recording::{Recording, Wanted};
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{CommandOutput, Report, Table, by_state, explained};
-use stickslip::analysis::{Stability, multipliers};
+use crate::render::{CommandOutput, Report, Table, by_state, explained, place, significant_digits};
+use stickslip::analysis::{Stability, multiplier_uncertainties, multipliers};
 use stickslip::error::readable;
 use stickslip_kernels::study::{extremes, phases_of_period};
 
@@ -64,27 +64,34 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(periods.is_none());
     let multipliers = multipliers(&orbit.monodromy);
-    let lines = multipliers.iter().enumerate().map(|(k, multiplier)| {
+    let (dynamics, is_forced) = (system.dynamics(), periods.is_some());
+    let uncertainties = multiplier_uncertainties(dynamics, &orbit, is_forced, options);
+    let with_uncertainties = multipliers.iter().zip(&uncertainties).enumerate();
+    let lines = with_uncertainties.map(|(k, (multiplier, &uncertainty))| {
         let note = if k < trivial {
             "  (the trivial one)"
         } else {
             ""
         };
-        let imaginary = match multiplier.im {
-            0.0 => String::new(),
-            im => format!(
-                " {} {} i",
-                if im < 0.0 { "-" } else { "+" },
-                readable(im.abs())
-            ),
+        let (re, im) = (multiplier.re, multiplier.im);
+        if im == 0.0 {
+            return format!("{}{note}", place(re, uncertainty));
+        }
+        // Without an estimate, as a place without one.
+        let within = match uncertainty.is_nan() {
+            true => 1e-4 * multiplier.norm(),
+            false => uncertainty,
         };
-        format!("{}{imaginary}{note}", readable(multiplier.re))
+        let [re, size] = [re, im.abs()].map(|part| readable(significant_digits(part, within)));
+        let sign = if im < 0.0 { "-" } else { "+" };
+        format!("{re} {sign} {size} i ± {uncertainty:.0e}{note}")
     });
     let pairs: Vec<[f64; 2]> = multipliers.iter().map(|m| [m.re, m.im]).collect();
     let stability = Stability::of(multipliers.get(trivial..).unwrap_or_default()).to_string();
     report
         .lines("multipliers", lines)
         .field("multipliers", pairs)
+        .field("multiplier_uncertainties", &uncertainties)
         .line("stability", &stability)
         .field("stability", stability)
         .field("family_dimension", orbit.family);
@@ -122,7 +129,8 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
     let table = Table::new()
         .column("re", |&k: &usize| multipliers[k].re)
         .column("im", |&k| multipliers[k].im)
-        .column("modulus", |&k| multipliers[k].norm());
+        .column("modulus", |&k| multipliers[k].norm())
+        .column("uncertainty", |&k| uncertainties[k]);
     report.table(table.csv("multipliers", 0..multipliers.len())?);
     trajectory::put(system, &recording, &mut report)?;
     Ok(report)

@@ -49,10 +49,10 @@ pub(crate) fn within(value: f64, uncertainty: f64) -> String {
 
 /// A located value, without digits beyond its uncertainty.
 pub(crate) fn place(value: f64, uncertainty: f64) -> String {
-    if uncertainty > 1e-12 * value.abs() {
-        within(value, uncertainty)
-    } else {
+    if uncertainty <= 1e-12 * value.abs() {
         readable(value)
+    } else {
+        within(value, uncertainty)
     }
 }
 

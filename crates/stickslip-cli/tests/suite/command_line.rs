@@ -1047,6 +1047,20 @@ fn a_periodic_orbit_is_found_with_its_phases() {
         .success()
         .stdout(contains("stability    stable"))
         .stdout(contains("(the trivial one)"));
+    // At a loose tolerance multipliers have fewer digits.
+    let loose = program(top.path())
+        .args(["orbit", "leine", "--tol", "1e-6", "--out", "loose"])
+        .assert()
+        .success();
+    let loose = String::from_utf8_lossy(&loose.get_output().stdout).into_owned();
+    let line = loose
+        .lines()
+        .find(|line| line.contains("(the trivial one)"));
+    let (value, rest) = line.unwrap().split_once('±').unwrap();
+    let within = rest.split_whitespace().next().unwrap();
+    let decimals = value.trim().split_once('.').unwrap().1.len();
+    assert!((3..10).contains(&decimals), "{value}");
+    assert!(within.parse::<f64>().unwrap() > 1e-12, "{within}");
     // P15, to the published digits. Stick annihilates all directions except that along the orbit.
     let orbit = text(top.path().join("o/orbit.csv"));
     let period: f64 = orbit
@@ -1063,7 +1077,7 @@ fn a_periodic_orbit_is_found_with_its_phases() {
     let moduli: Vec<f64> = multipliers
         .lines()
         .skip(1)
-        .map(|line| line.rsplit(',').next().unwrap().parse().unwrap())
+        .map(|line| line.split(',').nth(2).unwrap().parse().unwrap())
         .collect();
     assert!(
         (moduli[0] - 1.0).abs() < 1e-8 && moduli[1] < 1e-9,

@@ -278,3 +278,26 @@ fn contacts_that_change_places_are_reported_together() {
         assert!(error < 1e-9 && uncertainty < 1e-9, "{line} for {exact}");
     }
 }
+
+#[test]
+fn a_failure_has_its_reason_on_the_screen_in_the_table_and_in_json() {
+    let top = folder();
+    let pole = "name = \"pole\"\n[time]\nend = 1\n[states]\nx = \"\"\n[parameters]\na = 1\n\
+                [field]\nx = \"-a/x\"\n[start]\nx = 1\n";
+    std::fs::write(top.path().join("pole.toml"), pole).unwrap();
+    let sweep = "bifurcation pole.toml --parameter a=1:2 --values 2 --until 10";
+    let run = |rest: &[&str]| {
+        let all = sweep.split(' ').chain(rest.iter().copied());
+        program(top.path()).args(all).assert().success()
+    };
+    let output = run(&["--out", "a", "--json"]);
+    let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let span = &json["up"]["motions"][0];
+    let reason = span["reason"].as_str().unwrap().to_owned();
+    assert_eq!(span["motion"], "failure");
+    assert!(reason.contains("t = 0.5"), "{reason}");
+    run(&["--out", "b"]).stdout(contains(format!("1 to 2: failure, first as {reason}")));
+    let mut rows = csv::Reader::from_path(top.path().join("b/bifurcation.csv")).unwrap();
+    let first = rows.records().next().unwrap().unwrap();
+    assert_eq!(first.iter().next_back(), Some(reason.as_str()));
+}

@@ -10,6 +10,7 @@ mod inputs;
 mod instants;
 mod known_answers;
 mod long_formulas;
+mod orbits;
 mod parse;
 mod pile_ups;
 mod public_cases;

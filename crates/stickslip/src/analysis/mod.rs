@@ -44,7 +44,8 @@ pub use lyapunov::{
 pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
 pub use periodic::{
-    PeriodicOrbit, find_periodic_orbit, periodic_orbit, periodic_orbit_forced, with_shortest_period,
+    PeriodicOrbit, find_periodic_orbit, multiplier_uncertainties, periodic_orbit,
+    periodic_orbit_forced, with_shortest_period,
 };
 pub use poincare::{PoincareMap, Return};
 pub use stability::Stability;

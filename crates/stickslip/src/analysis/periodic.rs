@@ -1,8 +1,11 @@
 //! Periodic orbits by shooting.
 
+use nalgebra::Complex;
+
 use super::attractors::SOLVER_TOLERANCES;
-use super::cycle::{Cycle, Outline, Shooting};
+use super::cycle::{Cycle, Outline, SAFETY, Shooting, ULPS};
 use super::monodromy::{flow_derivative, velocity_in};
+use super::multipliers::{eigenvalues, multipliers};
 use super::passages::{passages, plane};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Vector, run,
@@ -258,6 +261,43 @@ fn shortest(
         Ok(_) | Err(Error::NotConverged { .. } | Error::NotFound { .. }) => Ok(orbit),
         Err(other) => Err(other),
     }
+}
+
+/// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`]; NaN where
+/// the orbit is not found again. It is computed with half the steps, as for places on a branch, and
+/// with the options by which it was found; `is_forced` for a forced system.
+pub fn multiplier_uncertainties<Kind>(
+    system: &impl AsDynamics<Kind>,
+    orbit: &PeriodicOrbit,
+    is_forced: bool,
+    options: &Options,
+) -> Vec<f64> {
+    let system = &*system.dynamics();
+    let again = || {
+        let x = orbit.x.clone();
+        let outline = Outline::of_run(system, &Moment { t: orbit.t, x }, orbit.period, options);
+        let outline = outline.ok()?;
+        let forced = is_forced.then_some(orbit.period);
+        let finer = Shooting::of(system, &outline, forced, options).finer();
+        let cycle = finer.nearest(&outline, None)?;
+        let trivial = (!is_forced).then_some(Complex::new(1.0, 0.0));
+        let mut found = eigenvalues(&cycle.monodromy);
+        found.extend(trivial);
+        Some(found)
+    };
+    let mut others = again().unwrap_or_default();
+    let rounding = ULPS * f64::EPSILON * orbit.monodromy.amax();
+    let uncertainty = |value: Complex<f64>| {
+        let off = |other: &Complex<f64>| (other - value).norm();
+        let distances = others.iter().map(off).enumerate();
+        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(f64::NAN, |(k, distance)| {
+            others.swap_remove(k);
+            SAFETY * distance + rounding
+        })
+    };
+    let found = multipliers(&orbit.monodromy);
+    found.into_iter().map(uncertainty).collect()
 }
 
 /// A state of an orbit, and its mode there.

@@ -67,6 +67,15 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
+    /// The same with so small an error that pieces of a step are halved at least once more: the
+    /// error estimate of order 8 falls by 256.
+    pub(crate) fn finer(mut self) -> Self {
+        const TOLERANCE_PART: f64 = 1.0 / 512.0;
+        const LEAST: f64 = 1e-15;
+        self.carrying.tolerance = (TOLERANCE_PART * self.carrying.tolerance).max(LEAST);
+        self
+    }
+
     /// Largest error of a vector over a step, relative to its length.
     pub(crate) fn error(&self) -> f64 {
         TANGENT_ERROR * self.carrying.tolerance

@@ -225,16 +225,6 @@ impl Options {
         }
     }
 
-    /// With a tenth of the tolerances, as far as double precision allows.
-    pub(crate) fn finer(self) -> Self {
-        let finer = |tolerance: f64| (0.1 * tolerance).max(MIN_TOLERANCE.min(tolerance));
-        Options {
-            rtol: finer(self.rtol),
-            atol: finer(self.atol),
-            ..self
-        }
-    }
-
     /// The tolerances as the step-size control takes them.
     pub(crate) fn tolerance(&self) -> Tolerance {
         Tolerance {

@@ -238,7 +238,8 @@ impl Sweep for Basin {
             .column("std_error", |one| one.std_error)
             .state(system, "", |one| {
                 one.reached.points.first().map(|at| at.x.clone())
-            });
+            })
+            .column("reason", |one| attractors::reason(&one.reached));
         report.table(table.csv("attractors", in_order.iter().copied())?);
         report.figure("basin", &self.figure(&attractors, &reached, system));
         Ok(report)

@@ -37,6 +37,16 @@ pub(super) struct Replacement {
     pub(super) class: String,
 }
 
+/// Neighbouring values of the parameter with the same motion.
+pub(super) struct Span {
+    /// The first and the last value, in the order of the pass.
+    pub(super) values: (f64, f64),
+    /// The class of the motion.
+    pub(super) class: String,
+    /// Why the run at the first value failed, if it did.
+    pub(super) reason: Option<String>,
+}
+
 /// What the figure shows of one pass through the range.
 #[derive(Default)]
 pub(super) struct OneDirection {
@@ -48,8 +58,7 @@ pub(super) struct OneDirection {
     exponents: Points,
     /// Changes along the pass, and the values between which they occur.
     pub(super) changes: Vec<AttractorChange>,
-    /// Intervals of the parameter with the same motion, in the order of the pass, and the motion.
-    pub(super) spans: Vec<(f64, f64, String)>,
+    pub(super) spans: Vec<Span>,
     /// The last value and the attractor there in words, if the orbit reached one.
     last: Option<(f64, String)>,
     pub(super) replacements: Vec<Replacement>,
@@ -74,9 +83,13 @@ impl OneDirection {
         let here = is_attractor.then(|| (value, words.clone()));
         let last = std::mem::replace(&mut self.last, here);
         match self.spans.last_mut() {
-            Some(span) if span.2 == class => span.1 = value,
+            Some(span) if span.class == class => span.values.1 = value,
             _ => {
-                self.spans.push((value, value, class.clone()));
+                self.spans.push(Span {
+                    values: (value, value),
+                    class: class.clone(),
+                    reason: attractors::reason(&at.reached),
+                });
                 self.replacements
                     .extend(last.map(|(before, lost)| Replacement {
                         values: (before, value),
@@ -116,6 +129,7 @@ impl Bifurcation {
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.reached.points[point].x.clone())
         });
+        let columns = columns.column("reason", |(_, at, _)| attractors::reason(&at.reached));
         table(store, points, &columns, |block, part: Block| {
             let number = usize::from(!self.is_up(block));
             let way = &mut directions[number];

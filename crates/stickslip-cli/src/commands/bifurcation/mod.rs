@@ -184,10 +184,12 @@ impl Sweep for Bifurcation {
         let what = format!("{values} values of {}, up and down", range.words());
         let mut report = Report::of(system, what);
         for (name, way) in DIRECTION_NAMES.into_iter().zip(&directions) {
-            for (first, last, motion) in &way.spans {
-                let [first, last] = [*first, *last].map(readable);
-                let motion = attractors::since(motion, self.until);
-                report.note(format!("{name:<4}  {first} to {last}: {motion}"));
+            for span in &way.spans {
+                let [first, last] = [span.values.0, span.values.1].map(readable);
+                let motion = attractors::since(&span.class, self.until);
+                let reason = span.reason.as_ref();
+                let reason = reason.map_or(String::new(), |why| format!(", first as {why}"));
+                report.note(format!("{name:<4}  {first} to {last}: {motion}{reason}"));
             }
             for AttractorChange { between, what } in &way.changes {
                 let at = match what.parameter() {
@@ -218,9 +220,10 @@ impl Sweep for Bifurcation {
                     ));
                 }
             }
-            let spans = way.spans.iter().map(
-                |(first, last, motion)| json!({ "from": first, "to": last, "motion": motion }),
-            );
+            let spans = way.spans.iter().map(|span| {
+                let (from, to) = span.values;
+                json!({ "from": from, "to": to, "motion": span.class, "reason": span.reason })
+            });
             let changes = way.changes.iter().map(|AttractorChange { between, what }| {
                 json!({ "values": between, "change": changes::json(system, what) })
             });

@@ -170,7 +170,6 @@ pub fn continue_equilibrium<Kind>(
     let continuation = EquilibriumContinuation {
         system,
         settings,
-        options,
         units,
     };
     let by_parameter = unit(last + 1, last);
@@ -262,7 +261,6 @@ impl EquilibriumTangent {
 struct EquilibriumContinuation<'a> {
     system: &'a dyn Dynamics,
     settings: &'a ContinuationSettings,
-    options: &'a Options,
     /// Sizes of the components.
     units: Vector,
 }
@@ -276,14 +274,14 @@ struct EquilibriaOnLine<'l> {
 impl Path for EquilibriaOnLine<'_> {
     type Solution = Equilibrium;
 
-    fn solution(&self, place: f64, _: &Options) -> Option<Equilibrium> {
+    fn on(&self, place: f64) -> Option<Equilibrium> {
         let line = self.line;
         let guess = &line.from + &line.direction * place;
         self.continuation.solve(line.mode, &guess, &line.row)
     }
 
-    fn options(&self) -> &Options {
-        self.continuation.options
+    fn finer(&self, place: f64) -> Option<Equilibrium> {
+        self.on(place)
     }
 
     fn parameter(&self, one: &Equilibrium) -> f64 {

@@ -4,9 +4,7 @@
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
-use crate::analysis::cycle::{
-    Cycle, Margin, MarginKind, Outline, Path, SAFETY, Shooting, Zero, describe,
-};
+use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, SAFETY, Zero, describe};
 use crate::analysis::passages::passages;
 use crate::dynamics::{Moment, Vector};
 
@@ -112,8 +110,8 @@ impl Continuation<'_> {
         steps.find_map(|step| {
             let beyond = line.on(&self.shooting, at.s + step)?;
             let outline = self.run_from(&beyond)?;
-            let is_new = outline.modes() != self.branch.last.outline.modes();
-            is_new
+            let phases = |one: &Outline| (one.modes(), one.kinks());
+            (phases(&outline) != phases(&self.branch.last.outline))
                 .then(|| self.enter(&outline, parameter_of(&at.solution)))
                 .flatten()
         })
@@ -235,13 +233,13 @@ impl Continuation<'_> {
         let last = &self.branch.last;
         let margin = duration(last, number)?;
         let row = last.outline.unit(last.outline.begin.x.len() + number);
-        let by_tolerance = self.by_tolerance(last, &last.outline, (&row, margin.value));
+        let of_steps = self.error_of_steps(last, &last.outline, (&row, margin.value));
         let ahead = line.heading() * place;
         let at = Zero {
             s: 0.0,
             parameter: self.parameter() + ahead,
             solution: last.clone(),
-            uncertainty: ahead.abs() + by_tolerance,
+            uncertainty: ahead.abs() + of_steps,
         };
         Some(Change {
             at,
@@ -251,14 +249,10 @@ impl Continuation<'_> {
         })
     }
 
-    /// Error of an orbit's parameter due to the tolerances, where the product of the unknowns with
-    /// a row has a given value.
-    fn by_tolerance(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {
-        let finer = Shooting {
-            options: &self.shooting.options.finer(),
-            ..self.shooting
-        };
-        let finer = finer.solve(guess, Some(row));
+    /// Error of integration of an orbit's parameter, where the product of the unknowns with a row
+    /// has a given value.
+    fn error_of_steps(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {
+        let finer = self.shooting.finer().solve(guess, Some(row));
         finer.map_or(f64::NAN, |finer| {
             SAFETY * (parameter_of(&finer) - parameter_of(orbit)).abs()
         })
@@ -288,7 +282,7 @@ impl Continuation<'_> {
             outline.swapped(number, duration_behind)
         })?;
         let parameter = parameter_of(&cycle);
-        let uncertainty = self.by_tolerance(&cycle, &guess, (&row, 0.0));
+        let uncertainty = self.error_of_steps(&cycle, &guess, (&row, 0.0));
         let behind = self.enter(&swapped, parameter);
         let at = Zero {
             s: line.place(&cycle),

@@ -3,7 +3,6 @@
 use super::{parameter_of, with_parameter};
 use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, unit};
 use crate::dynamics::{Matrix, Vector};
-use crate::filippov::Options;
 
 /// The line through an orbit along which the next one is sought. Newton's iteration stays in a
 /// plane across it.
@@ -194,16 +193,12 @@ pub(super) struct Orbits<'l> {
 impl Path for Orbits<'_> {
     type Solution = Cycle;
 
-    fn solution(&self, place: f64, options: &Options) -> Option<Cycle> {
-        let shooting = Shooting {
-            options,
-            ..*self.shooting
-        };
-        self.line.on(&shooting, place)
+    fn on(&self, place: f64) -> Option<Cycle> {
+        self.line.on(self.shooting, place)
     }
 
-    fn options(&self) -> &Options {
-        self.shooting.options
+    fn finer(&self, place: f64) -> Option<Cycle> {
+        self.line.on(&self.shooting.finer(), place)
     }
 
     fn parameter(&self, cycle: &Cycle) -> f64 {

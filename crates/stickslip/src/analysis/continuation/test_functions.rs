@@ -217,26 +217,23 @@ impl Continuation<'_> {
         let fewer = [&all[1..nodes.len() - 1], &apart].map(zero_of_polynomial);
         let off =
             |other: Option<(f64, f64)>| other.map_or(f64::NAN, |(_, p)| (parameter - p).abs());
-        // The tolerances have the largest effect at the nearest node. Next to a multiplier of 1,
-        // errors of each orbit amplify it. Chosen: four times the margin of other places.
-        const SAFETY_AT_ONE: f64 = 4.0 * SAFETY;
-        let finer = Shooting {
-            options: &self.shooting.options.finer(),
-            ..self.shooting
+        // Next to a multiplier of 1, what an orbit leaves open is amplified, and has either sign.
+        // So the effects of half the steps at the single nodes are added.
+        let finer = self.shooting.finer();
+        let effect = |k: usize| {
+            let other = node(nodes[k].s, &finer)?;
+            let mut changed = all.clone();
+            changed[k] = &other;
+            Some(off(zero_of_polynomial(&changed)))
         };
-        let (first, last) = (nodes.first()?, nodes.last()?);
+        let effects = (0..nodes.len()).map(|k| effect(k).unwrap_or(f64::NAN));
+        let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
-        let by_tolerance = node(nearest.s, &finer).map_or(f64::NAN, |finer| {
-            let range = parameter_of(&last.cycle) - parameter_of(&first.cycle);
-            let along = (finer.value - nearest.value) * range / (last.value - first.value);
-            SAFETY_AT_ONE
-                * (along.abs() + (parameter_of(&finer.cycle) - parameter_of(&nearest.cycle)).abs())
-        });
         Some(Zero {
             s,
             parameter,
             solution: nearest.cycle.clone(),
-            uncertainty: off(fewer[0]) + off(fewer[1]) + by_tolerance,
+            uncertainty: off(fewer[0]) + off(fewer[1]) + of_steps,
         })
     }
 

@@ -24,6 +24,10 @@ struct Assembly<'a> {
     rows: Vec<Equation>,
     /// Largest amplification of an error so far.
     growth: f64,
+    /// The unknowns that the first equations set equal if no state changes over any piece.
+    unchanged: Vec<[usize; 2]>,
+    /// Where the state with which the present piece begins stands among the unknowns.
+    base: usize,
 }
 
 impl Assembly<'_> {
@@ -68,7 +72,9 @@ impl Assembly<'_> {
         let rows = &self.of_state - &by_cut;
         for i in 0..n {
             self.rows.push((gap[i], rows.row(i).transpose(), 1.0));
+            self.unchanged.push([self.base + i, place + i]);
         }
+        self.base = place;
         self.of_state = by_cut;
         self.at.x.clone_from(state);
         Some(())
@@ -137,6 +143,8 @@ pub(super) struct Equations {
     pub largest: f64,
     /// Their derivative by the unknowns.
     pub jacobian: Matrix,
+    /// The part of it that is due to changes of the state.
+    pub changes: Matrix,
     pub pieces: Vec<Piece>,
     pub monodromy: Matrix,
     /// Where the orbit is cut.
@@ -173,6 +181,8 @@ impl Shooting<'_> {
             maps: Vec::new(),
             rows: Vec::new(),
             growth: 1.0,
+            unchanged: Vec::new(),
+            base: 0,
         };
         let velocity = |segment: &Segment, at: &Moment| {
             let flow = self.system.flow(segment.mode, &segment.inside);
@@ -203,20 +213,24 @@ impl Shooting<'_> {
         for i in 0..self.states {
             let row = assembly.of_state.row(i).transpose() - unit(unknowns, i);
             assembly.rows.push((gap[i], row, 1.0));
+            assembly.unchanged.push([assembly.base + i, i]);
         }
         let has_events = !events.is_empty();
         assembly.rows.extend(events);
+        // As if the orbit moved by its extent in a period.
+        let by_time = outline.period() / self.extent;
         // The durations add up to the period of the forcing.
         if let Some(period) = self.forced {
             let is_duration = |i: usize| i >= n && i < time;
             let row = Vector::from_fn(unknowns, |i, _| f64::from(u8::from(is_duration(i))));
-            assembly.rows.push((outline.period() - period, row, 1.0));
+            let off = outline.period() - period;
+            assembly.rows.push((off, row, by_time));
         }
         // The time at the beginning is arbitrary in an autonomous system, or without an event
         // there.
         if self.forced.is_none() || !has_events {
             let off = outline.begin.t - guess.begin.t;
-            assembly.rows.push((off, unit(unknowns, time), 1.0));
+            assembly.rows.push((off, unit(unknowns, time), by_time));
         }
         if self.forced.is_none() && !has_events {
             let along = begins.rows(0, self.states);
@@ -240,19 +254,26 @@ impl Shooting<'_> {
         let speed = assembly.maps.iter().map(|map| map.velocity.amax());
         let speed = speed.fold(begins.amax(), f64::max);
         let time = assembly.at.t.abs().max(outline.begin.t.abs());
-        let by_time = time * speed * (steps as f64).sqrt();
+        let of_times = time * speed * (steps as f64).sqrt();
         let by_state = ULPS * steps as f64 * size;
         let rows = assembly.rows;
+        let jacobian = Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]);
+        let mut changes = jacobian.clone();
+        for (i, [from, to]) in assembly.unchanged.into_iter().enumerate() {
+            changes[(i, from)] -= 1.0;
+            changes[(i, to)] += 1.0;
+        }
         let sizes = rows.iter().map(|(value, _, size)| (value / size).abs());
         Some(Equations {
             largest: sizes.fold(0.0, f64::max),
             residuals: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
-            jacobian: Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]),
+            jacobian,
+            changes,
             pieces: assembly.pieces,
             monodromy,
             anchor,
             velocities: [begins, ends],
-            rounding: f64::EPSILON * (by_state + by_time) * assembly.growth,
+            rounding: f64::EPSILON * (by_state + of_times) * assembly.growth,
             steps,
         })
     }

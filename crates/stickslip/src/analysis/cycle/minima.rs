@@ -11,6 +11,10 @@ use crate::filippov::Options;
 /// nearly a polynomial of the method's order in a step, and two minima closer than this are rare.
 const SAMPLES: usize = 8;
 
+/// Time before the kink of an input at which it has its values before that, as a fraction of the
+/// time and of the period. Chosen: four times the rounding of a clock.
+const BEFORE_KINK: f64 = 64.0 * f64::EPSILON;
+
 /// Fraction of a step after which a guard has left the zero with which its phase begins: a
 /// sixteenth of the distance of samples.
 const AFTER_BEGIN: f64 = 1.0 / (16.0 * SAMPLES as f64);
@@ -71,6 +75,18 @@ fn minima(
         let flow = system.flow(segment.mode, &segment.inside);
         let neighbours = [outline.before(part), &outline.segments[(part + 1) % count]];
         let ends = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;
+        // Where an input kinks, a guard may jump: its values before that are those of the step. A
+        // step that ends there by rounding has none.
+        let end = |step: usize| {
+            let at = piece.steps[step].0.end();
+            let early = BEFORE_KINK * (at.t.abs() + outline.period()) / length(step);
+            match system.kink(&at) {
+                Some(_) => (early < AFTER_BEGIN).then_some((step, 1.0 - early)),
+                None => Some((step, 1.0)),
+            }
+        };
+        let steps: Vec<(usize, f64)> = (0..piece.steps.len()).filter_map(end).collect();
         let moment = |step: usize, s: f64| {
             let (step, solution) = &piece.steps[step];
             let t = step.t_start + s * (step.t_end - step.t_start);
@@ -86,27 +102,29 @@ fn minima(
             };
             // The guard with which the phase begins may leave zero at zero rate.
             let leaves_zero = ends[0] == Some(contact);
-            let first = (0, if leaves_zero { AFTER_BEGIN } else { 0.0 });
-            let of_step = |step| (1..=SAMPLES).map(move |k| (step, k as f64 / SAMPLES as f64));
-            let steps = (0..piece.steps.len()).flat_map(of_step);
-            let mut samples: Vec<Sample> = std::iter::once(first)
-                .filter(|_| !piece.steps.is_empty())
-                .chain(steps)
-                .map(sample)
-                .collect();
+            let begins = if leaves_zero { AFTER_BEGIN } else { 0.0 };
+            let mut places = Vec::new();
+            for (number, &(step, end)) in steps.iter().enumerate() {
+                let is_smooth = number > 0 && steps[number - 1] == (step - 1, 1.0);
+                let begin = if number == 0 { begins } else { 0.0 };
+                places.extend((!is_smooth).then_some((step, begin)));
+                places.extend((1..SAMPLES).map(|k| (step, k as f64 / SAMPLES as f64)));
+                places.push((step, end));
+            }
+            let mut samples: Vec<Sample> = places.into_iter().map(sample).collect();
             // A rate that is zero to within the tolerances has no sign. So a minimum at a zero of
             // another contact's velocity is one minimum, on whichever side rounding puts it.
             let rates = samples.iter().map(|one| one.jet[1].abs());
             let still = closeness(options) * rates.fold(0.0, f64::max);
             let falls = |one: &Sample| one.jet[1] < -still;
             let between = |a: &Sample, b: &Sample| (if a.step == b.step { a.s } else { 0.0 }, b.s);
-            let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;
+            let is_kink = |a: &Sample, b: &Sample| a.step != b.step && b.s == 0.0;
             // Between two samples a guard may turn twice. Its rate then has an extremum there.
             let turns_twice = |a: &Sample, b: &Sample| {
                 let sign = if falls(a) { -1.0 } else { 1.0 };
                 let may_turn =
                     falls(a) == falls(b) && sign * a.jet[2] < 0.0 && sign * b.jet[2] > 0.0;
-                may_turn.then(|| {
+                (may_turn && !is_kink(a, b)).then(|| {
                     let second = |s: f64| {
                         let [.., second, third] = jet(b.step, s);
                         [sign * second, sign * third]
@@ -139,22 +157,46 @@ fn minima(
                 && may_vanish(0)
                 && begin.jet[1] > still
             {
-                places.push((MarginKind::Begin(number), Some(other), (0, 0.0)));
+                places.push((MarginKind::Begin(number), Some(other), (begin.step, 0.0)));
             }
             if let Some(other) = by_other(1)
                 && may_vanish(last - 1)
                 && falls(end)
             {
-                places.push((MarginKind::End(number), Some(other), (end.step, 1.0)));
+                places.push((MarginKind::End(number), Some(other), (end.step, end.s)));
             }
-            let turns = |a: &Sample, b: &Sample| falls(a) && !falls(b);
+            let sizes = samples.iter().map(|sample| sample.jet[0].abs());
+            let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
             let minimum = MarginKind::Minimum(number);
+            // What the kink of an input ends may end before that.
+            let own = segment.end.filter(|end| end.contact == contact);
+            if let Some((input, _)) = own.and_then(|end| end.at_kink)
+                && falls(end)
+            {
+                let before = flow.guards().into_iter().map(|guard| guard.contact + 1);
+                let of_input = before.fold(system.contacts(), usize::max) + input;
+                places.push((MarginKind::End(number), Some(of_input), (end.step, end.s)));
+            }
+            // At a kink, the lower side.
+            let lowest = |a: &Sample, b: &Sample| {
+                let rise = (b.jet[0] - a.jet[0]) / (closeness(options) * scale);
+                let (rises, drops) = (rise > 1.0, rise < -1.0);
+                let is_lowest = (falls(a) || drops) && (!falls(b) || rises);
+                let lower = if rises { a } else { b };
+                is_lowest.then_some((lower.step, lower.s))
+            };
             // An orbit without transitions continues from its end to its beginning.
-            if segment.end.is_none() && may_vanish(last) && turns(end, begin) {
-                places.push((minimum, None, (0, 0.0)));
+            if segment.end.is_none()
+                && may_vanish(last)
+                && let Some(place) = lowest(end, begin)
+            {
+                places.push((minimum, None, place));
             }
             for (k, (a, b)) in samples.iter().zip(&samples[1..]).enumerate() {
-                if may_vanish(k) && turns(a, b) {
+                if is_kink(a, b) {
+                    let place = lowest(a, b).filter(|_| may_vanish(k));
+                    places.extend(place.map(|place| (minimum, None, place)));
+                } else if may_vanish(k) && falls(a) && !falls(b) {
                     let rate = |s: f64| {
                         let [_, rate, second, _] = jet(b.step, s);
                         [rate, second]
@@ -163,8 +205,6 @@ fn minima(
                     places.push((minimum, None, (b.step, s)));
                 }
             }
-            let sizes = samples.iter().map(|sample| sample.jet[0].abs());
-            let scale = sizes.fold(f64::MIN_POSITIVE, f64::max);
             for (kind, other, (step, s)) in places {
                 let at = moment(step, s);
                 margins.push(Margin {

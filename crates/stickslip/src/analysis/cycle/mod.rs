@@ -30,7 +30,7 @@ pub use sequence_change::{SequenceBifurcation, SequenceChange};
 const TOLERANCES: f64 = 100.0;
 
 /// Units in the last place that a step may leave in a residual: about one for each stage.
-const ULPS: f64 = 16.0;
+pub(super) const ULPS: f64 = 16.0;
 
 /// Relative error within which an orbit closes and its event functions vanish.
 fn closeness(options: &Options) -> f64 {
@@ -53,6 +53,9 @@ pub(crate) struct Shooting<'a> {
     /// row has a given value.
     pub plane: Option<(&'a Vector, f64)>,
     pub options: &'a Options,
+    /// Whether every step, and every piece that carries tangent vectors, is taken in two halves. So
+    /// the result differs by nearly the whole error, whatever decides the steps.
+    pub is_finer: bool,
 }
 
 /// A vector of this length with a 1 at a place.

@@ -1,6 +1,6 @@
 //! A periodic orbit to be computed: its segments, and the moment at which the first one begins.
 
-use super::unit;
+use super::{ULPS, unit};
 use crate::dynamics::{Dynamics, Modes, Moment, Orbit, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
@@ -133,7 +133,10 @@ impl Outline {
             end: None,
             duration: period,
         };
-        if transitions.first().is_none_or(|at| at.t > start.t + period) {
+        // A jump in the instant that begins a period waits there for the next one.
+        let rounding = ULPS * f64::EPSILON * (start.t.abs() + period);
+        let by = start.t + period + rounding;
+        if transitions.first().is_none_or(|at| at.t > by) {
             let middle = orbit.at(start.t + 0.5 * period)?;
             let mode = orbit.phases.first().map(|phase| phase.mode);
             return Ok(Outline {
@@ -263,6 +266,12 @@ impl Outline {
                 .until(end.map(|end| end.contact - segment.mode.len()))
         });
         Modes::cycle(modes)
+    }
+
+    /// Number of segments that the kink of an input ends.
+    pub fn kinks(&self) -> usize {
+        let ends = self.segments.iter().filter_map(|segment| segment.end);
+        ends.filter(|end| end.at_kink.is_some()).count()
     }
 
     /// The segment before one.

@@ -2,7 +2,6 @@
 
 use super::{Cycle, ULPS};
 use crate::analysis::critical::zero_between;
-use crate::filippov::Options;
 
 /// Solutions of one kind, each with its place: periodic orbits with one sequence, or equilibria of
 /// one mode.
@@ -10,17 +9,13 @@ pub(crate) trait Path {
     type Solution: Clone;
 
     /// The solution at a place.
-    fn solution(&self, place: f64, options: &Options) -> Option<Self::Solution>;
+    fn on(&self, place: f64) -> Option<Self::Solution>;
 
-    /// The options with which it is computed.
-    fn options(&self) -> &Options;
+    /// The same solution with a far smaller error of integration.
+    fn finer(&self, place: f64) -> Option<Self::Solution>;
 
     /// The parameter of a solution.
     fn parameter(&self, solution: &Self::Solution) -> f64;
-
-    fn on(&self, place: f64) -> Option<Self::Solution> {
-        self.solution(place, self.options())
-    }
 
     /// Two places at which a function has different signs, or one zero, near a place with a known
     /// value; they are usually less than a step apart.
@@ -80,8 +75,8 @@ pub(crate) trait Path {
     }
 
     /// Uncertainty of the parameter near a zero of a function: its residual with its rounding
-    /// error, over its slope, and the effect of the tolerances. A run with a tenth of them
-    /// estimates that. NaN where there is no estimate.
+    /// error, over its slope, and the error of integration. Half the steps show that. NaN where
+    /// there is no estimate.
     fn uncertainty(
         &self,
         (s, solution): (f64, &Self::Solution),
@@ -94,9 +89,9 @@ pub(crate) trait Path {
         let places = [s - NEIGHBOUR * length, s + NEIGHBOUR * length];
         let [one, two] = [self.on(places[0])?, self.on(places[1])?];
         let (value, [before, behind]) = (function(solution)?, [function(&one)?, function(&two)?]);
-        let finer = self.solution(s, &self.options().finer())?;
-        let by_tolerance = SAFETY * (function(&finer)? - value).abs();
-        let error = value.abs() + (behind - 2.0 * value + before).abs() + by_tolerance;
+        let finer = self.finer(s)?;
+        let of_steps = SAFETY * (function(&finer)? - value).abs();
+        let error = value.abs() + (behind - 2.0 * value + before).abs() + of_steps;
         let parameter = self.parameter(solution);
         // At a fold the parameter is quadratic in the place.
         let steps = [&one, &two].map(|one| (self.parameter(one) - parameter).abs());
@@ -105,8 +100,8 @@ pub(crate) trait Path {
     }
 }
 
-/// Ratio of an error due to the tolerances to the change that a tenth of them causes: by that
-/// change the error is known to a tenth or so, and twice the change bounds it.
+/// Ratio of an error of integration to the change that half the steps cause: of order 4 and more,
+/// that change is the error to a tenth or so, and twice the change bounds it.
 pub(crate) const SAFETY: f64 = 2.0;
 
 /// An uncertainty of a parameter or, where that is not finite, the other one. It is at least what

@@ -90,6 +90,31 @@ impl Shooting<'_> {
         options: &Options,
     ) -> Option<Piece> {
         let t_end = begin.t + duration;
+        let piece = self.run_in(segment, begin, t_end, options)?;
+        if !self.is_finer {
+            return Some(piece);
+        }
+        let whole = piece.steps.iter().map(|(step, _)| step);
+        let mut halves = whole.flat_map(|step| [0.5 * (step.t_start + step.t_end), step.t_end]);
+        let begin = self.run_in(segment, piece.begin.clone(), piece.begin.t, options);
+        halves.try_fold(begin?, |before, t| {
+            let first_step = Some(t - before.end.t).filter(|step| *step > 0.0);
+            let options = Options {
+                first_step,
+                ..*options
+            };
+            let next = self.run_in(segment, before.end.clone(), t, &options)?;
+            Some(before.followed_by(next))
+        })
+    }
+
+    fn run_in(
+        &self,
+        segment: &Segment,
+        begin: Moment,
+        t_end: f64,
+        options: &Options,
+    ) -> Option<Piece> {
         let mut steps = Vec::new();
         let mut end = begin.clone();
         if t_end > begin.t {
@@ -139,6 +164,11 @@ impl Shooting<'_> {
     /// The derivative of the state at the end of a piece by that at its beginning.
     pub(super) fn flow_derivative(&self, segment: &Segment, piece: &Piece) -> FlowDerivative {
         let tangent = Tangent::new(self.system, self.options);
+        let tangent = if self.is_finer {
+            tangent.finer()
+        } else {
+            tangent
+        };
         let n = piece.begin.x.len();
         let is_autonomous = self.forced.is_none();
         let flow = self.system.flow(segment.mode, &segment.inside);

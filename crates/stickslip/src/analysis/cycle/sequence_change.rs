@@ -65,8 +65,8 @@ pub struct SequenceChange {
     /// The parameter: where the event function is zero.
     pub parameter: f64,
     /// Uncertainty of the parameter: the residual of the event function with its rounding error,
-    /// over its slope along the branch. It includes the error due to the tolerances, estimated from
-    /// another orbit with a tenth of them. For methods with fixed steps there is no such estimate.
+    /// over its slope along the branch. It includes the error of integration, estimated from the
+    /// same orbit with half the steps.
     pub uncertainty: f64,
     /// The name of the change.
     pub bifurcation: SequenceBifurcation,

@@ -40,7 +40,14 @@ impl<'a> Shooting<'a> {
             family: 0,
             plane: None,
             options,
+            is_finer: false,
         }
+    }
+
+    /// The same with steps of half the length.
+    pub fn finer(&self) -> Self {
+        let is_finer = true;
+        Shooting { is_finer, ..*self }
     }
 
     /// Whether an orbit has the phases of its sequence.
@@ -86,7 +93,7 @@ impl<'a> Shooting<'a> {
         for iterations in 1..=MOST_ITERATIONS {
             let equations = self.equations(&outline, guess, &bounded)?;
             let unknowns = outline.unknowns();
-            let mut matrix = equations.jacobian.clone();
+            let (mut matrix, mut changes) = (equations.jacobian.clone(), equations.changes.clone());
             let mut right = -&equations.residuals;
             let mut is_on = true;
             if let Some((row, value)) = row {
@@ -94,8 +101,10 @@ impl<'a> Shooting<'a> {
                 let off = value - row.dot(&unknowns);
                 is_on = off.abs() <= by_tolerance.min(1e-12) * row.amax();
                 let rows = matrix.nrows();
-                matrix = matrix.insert_row(rows, 0.0);
-                matrix.set_row(rows, &row.transpose());
+                for matrix in [&mut matrix, &mut changes] {
+                    *matrix = std::mem::take(matrix).insert_row(rows, 0.0);
+                    matrix.set_row(rows, &row.transpose());
+                }
                 right = right.insert_row(rows, off);
             }
             let wanted = self.closes_to(&equations);
@@ -114,13 +123,14 @@ impl<'a> Shooting<'a> {
                 0 => (0, 0.0),
                 family => (family, error),
             };
-            let solved = newton_solution(matrix, &right, (self.states, free), (scales, error));
+            let matrices = [matrix, changes];
+            let solved = newton_solution(matrices, &right, (self.states, free), (scales, error));
             if closes {
                 let family = solved.map_or(0, |(_, free)| free);
                 return self.cycle(outline, equations, (guessed, most), (iterations, family));
             }
             last_residual = equations.largest;
-            outline = outline.with(&(unknowns + solved?.0));
+            outline = self.in_period(outline.with(&(unknowns + solved?.0)));
             let period = outline.period();
             let is_possible = (period - guessed).abs() < guessed
                 && self.lasts(&outline, guessed)
@@ -130,6 +140,20 @@ impl<'a> Shooting<'a> {
             }
         }
         None
+    }
+
+    /// The outline of which the longest segment is changed so that it lasts for the period of the
+    /// forcing: that is no unknown. It is for iterates, which lack rounding of it. A guess from a
+    /// run may lack far more: its segments fit their events, and the next iterate shares the rest.
+    fn in_period(&self, mut outline: Outline) -> Outline {
+        let missing = self.forced.map_or(0.0, |period| period - outline.period());
+        let rounding = ULPS * f64::EPSILON * outline.period();
+        let segments = outline.segments.iter_mut();
+        let longest = segments.max_by(|a, b| a.duration.total_cmp(&b.duration));
+        if let Some(longest) = longest.filter(|_| missing.abs() > rounding) {
+            longest.duration += missing;
+        }
+        outline
     }
 
     /// Whether no segment of an orbit with a period has a negative duration. Where two segments
@@ -173,7 +197,7 @@ impl<'a> Shooting<'a> {
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {
         let by_tolerance = closeness(self.options);
-        let period = outline.period();
+        let period = self.forced.unwrap_or(outline.period());
         let [start, end] = &equations.velocities;
         let is_near = (period - guessed).abs() <= 0.3 * guessed;
         let within = SAME_VELOCITY.max(TOLERANCES * by_tolerance) * start.norm();
