@@ -92,7 +92,7 @@ impl Axis {
     /// # Errors
     /// [`PlotError::Axis`] unless `min < max` and both are finite.
     pub(super) fn check(&self) -> Result<(), PlotError> {
-        if self.min.is_finite() && self.max.is_finite() && self.min < self.max {
+        if self.min < self.max && (self.max - self.min).is_finite() {
             Ok(())
         } else {
             Err(PlotError::Axis {
@@ -111,9 +111,9 @@ impl Axis {
                 inside.cloned().collect()
             }
             Ticks::Step(step) => {
-                let (decimals, places) = (decimals_of(*step), self.multiples(*step));
-                let numbered = places.into_iter().map(|v| (v, number(v, decimals)));
-                numbered.collect()
+                let places = self.multiples(*step);
+                let texts = numbers(&places, *step);
+                places.into_iter().zip(texts).collect()
             }
         }
     }
@@ -158,12 +158,40 @@ fn nice_step(rough: f64) -> f64 {
     nice * power
 }
 
+/// Longest number on an axis that is written out, in characters.
+const LONGEST: usize = 10;
+
+/// Numbers at multiples of a step. Long ones have a common power of ten if that makes them shorter,
+/// or if they are small.
+fn numbers(places: &[f64], step: f64) -> Vec<String> {
+    let longest = |texts: &[String]| texts.iter().map(|text| text.chars().count()).max();
+    let decimals = decimals_of(step);
+    let plain: Vec<String> = places.iter().map(|&v| number(v, decimals)).collect();
+    if longest(&plain) <= Some(LONGEST) {
+        return plain;
+    }
+    let most = places.iter().fold(step, |most, v| most.max(v.abs()));
+    let power = (crate::math::log10(most) + 1e-9).floor();
+    let scale = crate::math::power_of_ten(power as i32);
+    let decimals = decimals_of(step / scale);
+    let scaled = places.iter().map(|&v| match number(v / scale, decimals) {
+        _ if v == 0.0 => "0".to_owned(),
+        text => format!("{text}·10^{{{}}}", number(power, 0)),
+    });
+    let scaled: Vec<String> = scaled.collect();
+    if power < -4.0 || longest(&scaled) < longest(&plain) {
+        scaled
+    } else {
+        plain
+    }
+}
+
 /// Digits after the decimal point needed to write `step`.
 fn decimals_of(step: f64) -> usize {
     (0..10)
         .find(|d| {
             let scaled = step * crate::math::power_of_ten(*d as i32);
-            (scaled - scaled.round()).abs() < 1e-6
+            scaled > 0.5 && (scaled - scaled.round()).abs() < 1e-6
         })
         .unwrap_or(10)
 }
@@ -212,6 +240,25 @@ mod tests {
     }
 
     #[test]
+    fn long_numbers_have_powers_of_ten() {
+        let texts = |min, max| labels(&Axis::new("x", min, max));
+        let powers = |numbers: [&str; 3], power: &str| {
+            numbers.map(|number| match number {
+                "0" => "0".to_owned(),
+                _ => format!("{number}·10^{{{power}}}"),
+            })
+        };
+        assert_eq!(texts(0.0, 1e217)[..3], powers(["0", "0.2", "0.4"], "217"));
+        assert_eq!(
+            texts(-2e-15, 1e-15)[..3],
+            powers(["−2.0", "−1.5", "−1.0"], "−15")
+        );
+        assert_eq!(texts(0.0, 2e9)[4..], ["2000000000"]);
+        // A power of ten would not make these shorter.
+        assert_eq!(texts(1e12, 1e12 + 10.0)[1], "1000000000002");
+    }
+
+    #[test]
     fn given_ticks_outside_the_range_are_left_out() {
         let axis = Axis::new("x", 0.0, 1.0).ticks([(0.5, "half"), (2.0, "two")]);
         assert_eq!(labels(&axis), ["half"]);
@@ -228,7 +275,7 @@ mod tests {
         let error = Axis::new("*x*_1", 1.0, 1.0).check().unwrap_err();
         assert_eq!(
             error.to_string(),
-            "axis 'x1' runs from 1 to 1: both ends must be finite and min < max"
+            "axis 'x1' runs from 1.0 to 1.0: its length must be positive and finite"
         );
     }
 }

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum PlotError {
     /// An axis whose ends do not make an interval.
-    #[error("axis '{label}' runs from {min} to {max}: both ends must be finite and min < max")]
+    #[error("axis '{label}' runs from {min:?} to {max:?}: its length must be positive and finite")]
     Axis {
         /// The axis label.
         label: String,

@@ -38,8 +38,9 @@ impl Entry {
     }
 }
 
-/// Most lines of a legend: more would leave no room for the panel.
+/// Most lines of a legend below a panel, and inside: more would leave no room for the panel.
 const MOST_LINES: usize = 12;
+const MOST_LINES_INSIDE: usize = 6;
 
 // Lengths, px. They are chosen by eye for small text.
 const LINE_HEIGHT: f64 = 16.0;
@@ -58,21 +59,31 @@ fn widest(entries: &[Entry]) -> Result<f64, PlotError> {
     Ok(KEY_WIDTH + KEY_GAP + widths.into_iter().fold(0.0, f64::max))
 }
 
-/// The entries that a legend has room for, with number and width of its columns. The rest is
-/// counted in the last entry.
+/// An entry that counts others.
+fn counted(entries: usize) -> Entry {
+    Entry {
+        text: format!("and {entries} more"),
+        ink: Ink::Line(Pen::new(WHITE, 0.0)),
+    }
+}
+
+/// The entries that a legend of so many lines has room for, with number and width of its columns.
+/// The rest is counted in the last entry.
 fn arranged(
     mut entries: Vec<Entry>,
     available: f64,
+    lines: usize,
 ) -> Result<(Vec<Entry>, usize, f64), PlotError> {
-    let widest = widest(&entries)?;
+    let mut widest = widest(&entries)?;
+    if entries.len() > lines {
+        widest = widest.max(self::widest(&[counted(entries.len())])?);
+    }
     let fit = ((available + COLUMN_GAP) / (widest + COLUMN_GAP)).floor() as usize;
     let fit = fit.clamp(1, entries.len().max(1));
-    let room = fit * MOST_LINES;
+    let room = fit * lines;
     if entries.len() > room {
-        let text = format!("and {} more", entries.len() + 1 - room);
-        let ink = Ink::Line(Pen::new(WHITE, 0.0));
-        entries.truncate(room - 1);
-        entries.push(Entry { text, ink });
+        let rest = entries.split_off(room - 1);
+        entries.push(counted(rest.len()));
     }
     // The entries are spread evenly over the lines: 4 entries make 2 + 2, not 3 + 1.
     let lines = entries.len().div_ceil(fit);
@@ -85,7 +96,7 @@ pub(super) fn height_below(entries: Vec<Entry>, available: f64) -> Result<f64, P
     if entries.is_empty() {
         return Ok(0.0);
     }
-    let (entries, count, _) = arranged(entries, available)?;
+    let (entries, count, _) = arranged(entries, available, MOST_LINES)?;
     Ok(entries.len().div_ceil(count) as f64 * LINE_HEIGHT + PADDING)
 }
 
@@ -99,7 +110,7 @@ pub(super) fn draw_below(
     if entries.is_empty() {
         return Ok(());
     }
-    let (entries, count, width) = arranged(entries, right - left)?;
+    let (entries, count, width) = arranged(entries, right - left, MOST_LINES)?;
     let total = count as f64 * (width + COLUMN_GAP) - COLUMN_GAP;
     let start = left + ((right - left) - total) / 2.0;
     for (i, entry) in entries.iter().enumerate() {
@@ -125,7 +136,7 @@ pub(super) fn draw_inside(
     if entries.is_empty() {
         return Ok(());
     }
-    let (entries, _, widest) = arranged(entries, 0.0)?;
+    let (entries, _, widest) = arranged(entries, 0.0, MOST_LINES_INSIDE)?;
     let width = widest + 2.0 * PADDING;
     let height = entries.len() as f64 * LINE_HEIGHT + PADDING;
     let left = match place {

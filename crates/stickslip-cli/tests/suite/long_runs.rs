@@ -76,19 +76,24 @@ fn a_legend_without_room_costs_no_result() {
 
 #[test]
 fn a_figure_that_fails_costs_no_table() {
-    // The numbers of the axis leave no room for a panel.
-    let text = "name = \"s\"\n[time]\nend = 500\n[states]\nx = \"\"\n[field]\nx = \"x\"\n\
-        [start]\nx = 1\n";
-    let (top, mut command) = program(text);
-    command.args(["simulate", "system.toml", "--escape", "inf", "--out", "out"]);
-    let failure = contains("the figure history is left out: a panel of history is only");
-    command
-        .assert()
-        .code(1)
-        .stdout(contains("end time"))
-        .stderr(failure);
-    assert!(top.path().join("out/steps.csv").exists());
-    assert!(!top.path().join("out/history.svg").exists());
+    // An axis around the largest of numbers has no room for a margin; one of large numbers has.
+    for (field, start, end, is_drawn) in [("0", "1.3e308", 1, false), ("x", "1", 500, true)] {
+        let text = format!(
+            "name = \"s\"\n[time]\nend = {end}\n[states]\nx = \"\"\n[field]\nx = \"{field}\"\n\
+             [start]\nx = {start}\n"
+        );
+        let (top, mut command) = program(&text);
+        command.args(["simulate", "system.toml", "--escape", "inf", "--out", "out"]);
+        let assert = command.assert().stdout(contains("end time"));
+        if is_drawn {
+            assert.success().stderr("");
+        } else {
+            let failure = contains("the figure history is left out: axis 'x' runs from");
+            assert.code(1).stderr(failure);
+        }
+        assert!(top.path().join("out/steps.csv").exists());
+        assert_eq!(top.path().join("out/history.svg").exists(), is_drawn);
+    }
 }
 
 #[test]
