@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use stickslip::{Error, Options, math};
 
-use stickslip::statistics::SplitMix;
 use crate::run::{METHODS, Run, end, options, simulated_by, system};
+use stickslip::statistics::SplitMix;
 
 fn at(tolerance: f64, method: &str) -> Options {
     Options {
@@ -115,7 +115,10 @@ fn a_velocity_in_stick_passes_a_level_once_at_a_time() {
         assert_eq!(jumps.len(), times.len(), "{number} {method}:\n{text}");
         assert_eq!(end(&run, "n"), times.len() as f64);
         for ((t, ..), exact) in jumps.iter().zip(&times) {
-            assert!((t - exact).abs() < 10.0 * tolerance, "{number}: {t} {exact}");
+            assert!(
+                (t - exact).abs() < 10.0 * tolerance,
+                "{number}: {t} {exact}"
+            );
         }
     }
 }
@@ -129,7 +132,8 @@ fn a_jump_whose_function_another_one_moves_on_has_happened() {
                     [field]\nx = \"1\"\n[start]\nx = 0\n";
         let (run, jumps) = simulated_by(text, &options(method), None);
         assert_eq!(jumps.len(), 2, "{jumps:?}");
-        assert_eq!((end(&run, "n"), end(&run, "x")), (1.0, 3.5));
+        assert_eq!(end(&run, "n"), 1.0);
+        assert!((end(&run, "x") - 3.5).abs() < 1e-12);
     }
 }
 

@@ -15,6 +15,27 @@ use crate::ode::Timed;
 use crate::orbit::Ending;
 use crate::system::{State, components};
 
+/// A pending jump.
+#[derive(Clone, Copy)]
+struct Due {
+    number: usize,
+    /// Whether a step was cut at the zero of its function, which location leaves inexact.
+    is_located: bool,
+    /// Whether its function came back before it had left its last zero.
+    is_unresolved: bool,
+}
+
+impl Due {
+    /// A jump due by another one, a kink or a start.
+    fn at_once(number: usize) -> Self {
+        Due {
+            number,
+            is_located: false,
+            is_unresolved: false,
+        }
+    }
+}
+
 /// The search for jumps along a run, and their execution.
 pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     jumps: &'a J,
@@ -32,9 +53,7 @@ pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const 
     kinks: u64,
     most_kinks: u64,
     /// The pending jumps, in order.
-    due: VecDeque<usize>,
-    /// Whether a pending jump's function came back before it had left its last zero.
-    is_unresolved: bool,
+    due: VecDeque<Due>,
     /// Whether no step has been taken since the last jump.
     has_jumped: bool,
     is_prescribed: bool,
@@ -78,7 +97,6 @@ where
             kinks: 0,
             most_kinks: options.most_events,
             due: VecDeque::new(),
-            is_unresolved: false,
             has_jumped: false,
             is_prescribed,
         };
@@ -93,21 +111,25 @@ where
         if integration.has_ended() {
             return;
         }
-        let (t, x) = (integration.t(), *integration.x());
+        let at = Timed {
+            t: integration.t(),
+            x: *integration.x(),
+        };
         let velocity = integration.velocity();
-        for (number, search) in self.searches.iter().enumerate() {
-            let at = Timed { t, x };
-            let [rising, falling] = [Direction::Rising, Direction::Falling];
+        for (number, search) in self.searches.iter_mut().enumerate() {
+            if !search.depends_on_state(&at, integration.states()) {
+                continue;
+            }
+            // It may pass within rounding of the start.
+            let value: f64 = self.jumps.when(number, at.t, components(&at.x));
+            search.set_side(if value == 0.0 { 0.0 } else { value.signum() });
             let way = match search.sign_of_rate(&at, &velocity) {
                 0.0 => continue,
-                rate if rate > 0.0 => rising,
-                _ => falling,
+                rate if rate > 0.0 => Direction::Rising,
+                _ => Direction::Falling,
             };
-            let is_due = self.jumps.direction(number).includes(way)
-                && search.sign_at(&at) == 0.0
-                && search.depends_on_state(&at);
-            if is_due {
-                self.due.push_back(number);
+            if self.jumps.direction(number).includes(way) && search.sign_at(&at) == 0.0 {
+                self.due.push_back(Due::at_once(number));
             }
         }
         // A phase of zero length lies before it.
@@ -161,8 +183,11 @@ where
             let stands = search.stands_at_zero();
             search.cut(state, &step.x_start, &x);
             if is_due {
-                self.due.push_back(number);
-                self.is_unresolved |= stands;
+                self.due.push_back(Due {
+                    number,
+                    is_located: true,
+                    is_unresolved: stands,
+                });
                 continue;
             }
             if search.stands_at_zero() {
@@ -179,7 +204,7 @@ where
 
     /// The next pending jump.
     pub(super) fn due(&self) -> Option<usize> {
-        self.due.front().copied()
+        self.due.front().map(|due| due.number)
     }
 
     /// Whether a jump is pending.
@@ -213,12 +238,13 @@ where
         &mut self,
         integration: &mut Integration<'a, S, N, G>,
     ) -> Result<Option<Transition<N, S::Mode>>, Error> {
-        let Some(number) = self.due.pop_front() else {
+        let Some(due) = self.due.pop_front() else {
             return Ok(None);
         };
-        if std::mem::take(&mut self.is_unresolved) {
+        if due.is_unresolved {
             return Err(integration.pile_up_error());
         }
+        let number = due.number;
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
@@ -233,7 +259,8 @@ where
             integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
-            self.leave_zero(number, residual, integration);
+            let left = if due.is_located { residual } else { 0.0 };
+            self.leave_zero(number, left, integration);
             self.detect_jumps(integration, [&before, &after], Some(number));
         }
         Ok(Some(Transition {
@@ -311,7 +338,7 @@ where
     ) {
         let t = integration.t();
         for number in 0..self.searches.len() {
-            if Some(number) == but || self.due.contains(&number) {
+            if Some(number) == but || self.due.iter().any(|due| due.number == number) {
                 continue;
             }
             let search = &mut self.searches[number];
@@ -334,7 +361,7 @@ where
                 Direction::Falling
             };
             if side * now < 0.0 && self.jumps.direction(number).includes(way) {
-                self.due.push_back(number);
+                self.due.push_back(Due::at_once(number));
             }
         }
     }

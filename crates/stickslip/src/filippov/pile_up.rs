@@ -37,6 +37,10 @@ const HISTORY: usize = 3 * 15 + 1;
 /// Chosen: durations that are no geometric series differ by about all of it.
 const SERIES_AGREEMENT: f64 = 0.1;
 
+/// Earlier rounds count if their uncertainty is less by this factor. Chosen: the state is nearer to
+/// the limit at the later ones.
+const EARLIER_ROUNDS: f64 = 0.1;
+
 /// Counts events within a span of time that counts as none.
 struct Burst {
     since: f64,
@@ -265,9 +269,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     }
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
-    /// the same ratio. Of all rounds, those with the least uncertainty of the limit count. Its
-    /// difference from the limit by the rounds one transition earlier is part of that: the very
-    /// last rounds may be rounding.
+    /// the same ratio. Of all rounds, those with the least uncertainty of the limit count, or the
+    /// later ones unless it is much less. Its difference from the limit by the rounds one transition
+    /// earlier is part of it: the very last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
         let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
             let mut one = self.series_by_rounds(round, newest);
@@ -286,11 +290,18 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         let shortest = time_rounding(self.nth_last(0).at.t) / (SERIES_AGREEMENT * SERIES_AGREEMENT);
         let lasts = |k: usize| self.nth_last(k).at.t - self.nth_last(k + 1).at.t;
         let newest = (0..phases).find(|&k| lasts(k) > shortest)?;
-        let rounds = (newest..phases).flat_map(|newest| {
+        let until = |newest: usize| {
             let rounds = 1..=(phases - newest) / 3;
-            rounds.map(move |round| (newest, round))
-        });
-        rounds.fold(None, best)
+            rounds.map(|round| (newest, round)).fold(None, best)
+        };
+        let mut all = (newest..phases).filter_map(until);
+        let first = all.next()?;
+        Some(all.fold(first, |newer, older| {
+            match older.uncertainty < EARLIER_ROUNDS * newer.uncertainty {
+                true => older,
+                false => newer,
+            }
+        }))
     }
 
     /// The series by three rounds of `round` transitions, the last of them the `newest`-th last.

@@ -35,6 +35,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         matches!(self.due, Due::PhaseEnd(_))
     }
 
+    /// Number of states of the system.
+    pub(crate) fn states(&self) -> usize {
+        self.run.states
+    }
+
     /// Whether the run has ended, or ends next.
     pub(crate) fn has_ended(&self) -> bool {
         matches!(self.due, Due::End(_))

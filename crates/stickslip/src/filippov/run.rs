@@ -27,6 +27,10 @@ const TOO_LATE: f64 = 1e6;
 /// has power 1, `x ln x` has more than 0.94 above 1e-8, and one that does not vanish has 0.
 const ROOTS: RangeInclusive<f64> = 0.1..=0.91;
 
+/// Largest difference of two powers, or of two distances as a part, that are the same. Chosen: what
+/// is no power of the distance differs by its own size.
+const SAME_LAW: f64 = 0.05;
+
 /// The state of a run between steps of any method.
 pub struct Run<const N: usize, const G: usize> {
     pub options: Options,
@@ -227,22 +231,35 @@ impl<const N: usize, const G: usize> Run<N, G> {
 
     /// Refuses a state from which a component comes within the tolerance to where the field is not
     /// Lipschitz, after a step was rejected there. Near such a place the component's rate is a power
-    /// of the distance, below 1; its value and two slopes give power, distance and time left.
+    /// of the distance, below 1; its value and two slopes give power, distance and time left, the
+    /// same ones nearer to it.
     #[cold]
     pub(crate) fn check_lipschitz<F: Flow<N>>(&self, flow: &F) -> Result<(), Error> {
         let Timed { t, x } = &self.at;
         let constant = |value: f64| Dual3::new(value, 0.0, 0.0, 0.0);
         for i in 0..self.states {
-            let mut along: [_; N] = std::array::from_fn(|k| constant(x[k]));
-            along[i].v1 = 1.0;
-            let rate = flow.field(constant(*t), &along)[i];
-            let power = 1.0 / (1.0 - rate.re * rate.v2 / (rate.v1 * rate.v1));
-            let distance = -power * rate.re / rate.v1;
+            let law = |moved: f64| {
+                let mut along: [_; N] = std::array::from_fn(|k| constant(x[k]));
+                along[i] = Dual3::new(x[i] + moved, 1.0, 0.0, 0.0);
+                let rate = flow.field(constant(*t), &along)[i];
+                let power = 1.0 / (1.0 - rate.re * rate.v2 / (rate.v1 * rate.v1));
+                let distance = -power * rate.re / rate.v1;
+                let is_root = rate.v1 < 0.0 && ROOTS.contains(&power);
+                is_root.then_some((rate.re, power, distance))
+            };
+            let Some((rate, power, distance)) = law(0.0) else {
+                continue;
+            };
             let tolerance = self.options.atol + self.options.rtol * (x[i] + distance).abs();
-            if ROOTS.contains(&power) && rate.v1 < 0.0 && distance.abs() <= tolerance {
+            let is_same = |&(_, nearer, left): &(f64, f64, f64)| {
+                (nearer - power).abs() < SAME_LAW
+                    && (left - 0.25 * distance).abs() < SAME_LAW * distance.abs()
+            };
+            if distance.abs() <= tolerance && law(0.75 * distance).is_some_and(|one| is_same(&one))
+            {
                 let mut x = *x;
                 x[i] += distance;
-                let t = t + distance / (rate.re * (1.0 - power));
+                let t = t + distance / (rate * (1.0 - power));
                 let x = Point::from(&x);
                 return Err(Error::NotLipschitz { t, x });
             }

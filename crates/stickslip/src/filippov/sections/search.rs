@@ -251,10 +251,10 @@ where
         clear_sign(slopes.dot(velocity) + in_time, size)
     }
 
-    /// Whether the state moves the only function.
-    pub(crate) fn depends_on_state(&self, at: &Timed<N>) -> bool {
+    /// Whether one of the first `states` components moves the only function.
+    pub(crate) fn depends_on_state(&self, at: &Timed<N>, states: usize) -> bool {
         let (slopes, _) = gradient(|t, x| self.events.values(t, x)[0], at);
-        slopes.iter().any(|slope| *slope != 0.0)
+        slopes.iter().take(states).any(|slope| *slope != 0.0)
     }
 
     /// State of the search after the steps so far.
