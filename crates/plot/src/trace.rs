@@ -199,8 +199,9 @@ impl Paper {
         (self.across.place(p.0), self.up.place(p.1))
     }
 
-    /// The cells with their centres on a line, from one place to another: words and bits.
-    fn cells(&self, a: Point, b: Point) -> impl Iterator<Item = (usize, u64)> + use<> {
+    /// The cells with their centres on a line, from one place to another: in each row the first of
+    /// the columns and that behind the last.
+    fn cells(&self, a: Point, b: Point) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
         // A point has a length, too.
         let dot = if a == b { 0.5 } else { 0.0 };
         let (a, b) = ((a.0 - dot, a.1), (b.0 + dot, b.1));
@@ -208,33 +209,40 @@ impl Paper {
         let length = (dx * dx + dy * dy).sqrt();
         let (ux, uy) = (dx / length, dy / length);
         let half = 0.5 * self.pen;
-        let [low, high] = [a.1.min(b.1), a.1.max(b.1)];
-        let beyond = half * ux.abs();
+        let beyond = half * ux.abs() + 0.5;
+        let (low, high) = (a.1.min(b.1) - beyond + 1.0, a.1.max(b.1) + beyond);
+        let rows = low as usize..(high as usize).min(self.up.cells);
+        // Whole multiples of a small part of a cell are faster to add and to round down.
+        let fixed = |x: f64| (x * f64::from(1 << 16)) as i64;
         // A row is cut by both sides of the line and by both ends.
         let flat = |u: f64| if u.abs() < 1e-9 { 1e-9 } else { u };
-        let (side, end) = (half / flat(uy).abs(), length / flat(ux));
         let (lean, turn) = (ux / flat(uy), -uy / flat(ux));
-        let words = self.across.cells.div_ceil(64);
-        let last = self.across.cells;
-        let rows =
-            (low - beyond + 0.5) as usize..((high + beyond + 0.5) as usize).min(self.up.cells);
-        rows.flat_map(move |row| {
-            let y = row as f64 + 0.5 - a.1;
-            let (middle, start) = (a.0 + y * lean + 0.5, a.0 + y * turn + 0.5);
-            let from = (middle - side).max(start + end.min(0.0)) as usize;
-            let to = ((middle + side).min(start + end.max(0.0)) as usize).min(last);
-            bits(from..to).map(move |(word, bits)| (row * words + word, bits))
+        let y = rows.start as f64 + 0.5 - a.1;
+        let [mut side, mut end] = [lean, turn].map(|slope| fixed(a.0 + y * slope + 0.5));
+        let [lean, turn] = [lean, turn].map(fixed);
+        let (wide, long) = (fixed(half / flat(uy).abs()), fixed(length / flat(ux)));
+        let last = self.across.cells as i64;
+        rows.map(move |row| {
+            let from = (side - wide).max(end + long.min(0)).max(0) >> 16;
+            let to = ((side + wide).min(end + long.max(0)) >> 16).min(last);
+            (side, end) = (side + lean, end + turn);
+            (row, from as usize..to.max(from) as usize)
         })
     }
 
     fn is_drawn(&self, a: Point, b: Point) -> bool {
-        self.cells(a, b)
-            .all(|(word, bits)| self.drawn[word] & bits == bits)
+        let words = self.across.cells.div_ceil(64);
+        self.cells(a, b).all(|(row, columns)| {
+            let row = &self.drawn[row * words..][..words];
+            bits(columns).all(|(word, bits)| row[word] & bits == bits)
+        })
     }
 
     fn mark(&mut self, a: Point, b: Point) {
-        for (word, bits) in self.cells(a, b) {
-            self.drawn[word] |= bits;
+        let words = self.across.cells.div_ceil(64);
+        for (row, columns) in self.cells(a, b) {
+            let row = &mut self.drawn[row * words..][..words];
+            bits(columns).for_each(|(word, bits)| row[word] |= bits);
         }
     }
 
