@@ -37,6 +37,10 @@ const HISTORY: usize = 3 * 15 + 1;
 /// Chosen: durations that are no geometric series differ by about all of it.
 const SERIES_AGREEMENT: f64 = 0.1;
 
+/// Number of earlier limits that a limit is compared with. Chosen: two that are off by rounding are
+/// seldom the same as a third.
+const EARLIER_LIMITS: usize = 3;
+
 /// Earlier rounds count if their uncertainty is less by this factor. Chosen: the state is nearer to
 /// the limit at the later ones.
 const EARLIER_ROUNDS: f64 = 0.1;
@@ -270,14 +274,16 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
     /// the same ratio. Of all rounds, those with the least uncertainty of the limit count, or the
-    /// later ones unless it is much less. Its difference from the limit by the rounds one transition
-    /// earlier is part of it: the very last rounds may be rounding.
+    /// later ones unless it is much less. Its differences from the limits by the rounds some transitions
+    /// earlier are part of it: the very last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
         let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
             let mut one = self.series_by_rounds(round, newest);
-            let earlier = self.series_by_rounds(round, newest + 1);
-            if let (Some(one), Some(earlier)) = (&mut one, earlier) {
-                one.uncertainty += (one.at.t - earlier.at.t).abs();
+            for earlier in 1..=EARLIER_LIMITS {
+                let earlier = self.series_by_rounds(round, newest + earlier);
+                if let (Some(one), Some(earlier)) = (&mut one, earlier) {
+                    one.uncertainty += (one.at.t - earlier.at.t).abs();
+                }
             }
             match (&best, &one) {
                 (Some(old), Some(new)) if new.uncertainty >= old.uncertainty => best,
