@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::plot::INVISIBLE;
 use super::polyline::{Point, simplify};
 
-/// Width of a cell of the paper, px. An edge that is off by this much differs by less than a quarter
-/// where a picture is rendered at twice its size.
+/// Width of a cell of the paper, px. An edge that is off by this much differs by less than a
+/// quarter where a picture is rendered at twice its size.
 const CELL: f64 = 0.12;
 
 /// Longest part of a line that is kept or dropped as a whole, in cells.

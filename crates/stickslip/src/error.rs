@@ -236,7 +236,10 @@ pub enum Error {
         x: Point,
     },
     /// The flag of [`crate::dynamics::Interrupt`] was raised.
-    #[error("the run was interrupted at t = {t}, x = {x}; start it again for a result", t = readable(*t))]
+    #[error(
+        "the run was interrupted at t = {t}, x = {x}; start it again for a result",
+        t = readable(*t)
+    )]
     Interrupted {
         /// Time reached.
         t: f64,

@@ -1,5 +1,5 @@
-//! Several things at one instant: contacts beside jumps, functions that are left at zero, starts and
-//! ends at a jump. All have closed forms.
+//! Several things at one instant: contacts beside jumps, functions that are left at zero, starts
+//! and ends at a jump. All have closed forms.
 
 use std::f64::consts::{PI, TAU};
 
@@ -127,8 +127,10 @@ fn a_velocity_in_stick_passes_a_level_once_at_a_time() {
 fn a_jump_whose_function_another_one_moves_on_has_happened() {
     for method in METHODS {
         let text = "name = \"case\"\n[time]\nend = 3\n[states]\nx = \"\"\n[discrete]\nn = 0\n\
-                    [jumps.count]\nwhen = \"x - 1\"\ndirection = \"rising\"\nset = { n = \"n + 1\" }\n\
-                    [jumps.push]\nwhen = \"t - 1\"\ndirection = \"rising\"\nset = { x = \"x + 0.5\" }\n\
+                    [jumps.count]\nwhen = \"x - 1\"\ndirection = \"rising\"\n\
+                    set = { n = \"n + 1\" }\n\
+                    [jumps.push]\nwhen = \"t - 1\"\ndirection = \"rising\"\n\
+                    set = { x = \"x + 0.5\" }\n\
                     [field]\nx = \"1\"\n[start]\nx = 0\n";
         let (run, jumps) = simulated_by(text, &options(method), None);
         assert_eq!(jumps.len(), 2, "{jumps:?}");

@@ -274,7 +274,8 @@ where
         }))
     }
 
-    /// What a jump's function is just after it: at zero, up to what was `left` of it before, or not.
+    /// What a jump's function is just after it: at zero, up to what was `left` of it before, or
+    /// not.
     fn leave_zero(&mut self, number: usize, left: f64, integration: &Integration<'a, S, N, G>) {
         let at = Timed {
             t: integration.t(),

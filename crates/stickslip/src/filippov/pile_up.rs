@@ -274,8 +274,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
     /// the same ratio. Of all rounds, those with the least uncertainty of the limit count, or the
-    /// later ones unless it is much less. Its differences from the limits by the rounds some transitions
-    /// earlier are part of it: the very last rounds may be rounding.
+    /// later ones unless it is much less. Its differences from the limits by the rounds some
+    /// transitions earlier are part of it: the very last rounds may be rounding.
     pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
         let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
             let mut one = self.series_by_rounds(round, newest);

@@ -23,8 +23,8 @@ pub(crate) const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// its times. Chosen: a run up to a singularity spans more than that.
 const TOO_LATE: f64 = 1e6;
 
-/// Powers of the distance, as which a rate may vanish, that are not Lipschitz. Chosen: a smooth rate
-/// has power 1, `x ln x` has more than 0.94 above 1e-8, and one that does not vanish has 0.
+/// Powers of the distance, as which a rate may vanish, that are not Lipschitz. Chosen: a smooth
+/// rate has power 1, `x ln x` has more than 0.94 above 1e-8, and one that does not vanish has 0.
 const ROOTS: RangeInclusive<f64> = 0.1..=0.91;
 
 /// Largest difference of two powers, or of two distances as a part, that are the same. Chosen: what
@@ -230,9 +230,9 @@ impl<const N: usize, const G: usize> Run<N, G> {
     }
 
     /// Refuses a state from which a component comes within the tolerance to where the field is not
-    /// Lipschitz, after a step was rejected there. Near such a place the component's rate is a power
-    /// of the distance, below 1; its value and two slopes give power, distance and time left, the
-    /// same ones nearer to it.
+    /// Lipschitz, after a step was rejected there. Near such a place the component's rate is a
+    /// power of the distance, below 1; its value and two slopes give power, distance and time left,
+    /// the same ones nearer to it.
     #[cold]
     pub(crate) fn check_lipschitz<F: Flow<N>>(&self, flow: &F) -> Result<(), Error> {
         let Timed { t, x } = &self.at;

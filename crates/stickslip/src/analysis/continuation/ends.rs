@@ -185,7 +185,7 @@ impl Continuation<'_> {
         const RESOLVED: f64 = 1e-9;
         (uncertainty <= RESOLVED * self.branch.units.width).then_some(Stop::TwoFold {
             parameter,
-            uncertainty: self.at_least(parameter, uncertainty),
+            uncertainty: self.with_last_digits(parameter, uncertainty),
         })
     }
 

@@ -12,7 +12,7 @@ use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
     ZERO, along_boundaries, equations, holds, jacobian_of, without_constant,
 };
-use crate::analysis::cycle::{Function, Path, Zero, at_least, unit};
+use crate::analysis::cycle::{Function, Path, Zero, unit, with_last_digits};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Section, Vector};
@@ -609,7 +609,11 @@ impl EquilibriumContinuation<'_> {
             }
             branch.special.push(SpecialEquilibrium {
                 parameter: zero.parameter,
-                uncertainty: at_least((zero.parameter, zero.uncertainty), length, high - low),
+                uncertainty: with_last_digits(
+                    (zero.parameter, zero.uncertainty),
+                    length,
+                    (high - low, 1),
+                ),
                 what,
                 behind: branch.points.len(),
                 x: zero.solution.at.x,

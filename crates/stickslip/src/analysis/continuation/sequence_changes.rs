@@ -312,7 +312,7 @@ impl Continuation<'_> {
         let described = describe(
             self.shooting.system,
             (&at.solution, &margin),
-            (parameter, self.at_least(parameter, at.uncertainty)),
+            (parameter, self.with_last_digits(parameter, at.uncertainty)),
             [self.branch.last.outline.modes(), after],
         );
         let what = CycleBifurcation::Sequence(Box::new(described));

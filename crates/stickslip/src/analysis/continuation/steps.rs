@@ -375,7 +375,7 @@ impl<'a> Continuation<'a> {
         let cycle = zero.solution;
         let at = SpecialPoint {
             parameter: zero.parameter,
-            uncertainty: self.at_least(zero.parameter, zero.uncertainty),
+            uncertainty: self.with_last_digits(zero.parameter, zero.uncertainty),
             what,
             behind: self.branch.points.len(),
             x: cycle.anchor.x.clone(),

@@ -4,7 +4,7 @@ use super::steps::Continuation;
 use super::tangent_line::{TangentLine, bordered};
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, at_least};
+use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, with_last_digits};
 use crate::analysis::lagrange::weights;
 
 impl Continuation<'_> {
@@ -92,7 +92,7 @@ impl Continuation<'_> {
         if let Some(flip) = flip {
             return Some(Stop::Flip {
                 parameter: flip.parameter,
-                uncertainty: self.at_least(flip.parameter, flip.uncertainty),
+                uncertainty: self.with_last_digits(flip.parameter, flip.uncertainty),
             });
         }
         self.take(next);
@@ -237,11 +237,12 @@ impl Continuation<'_> {
         })
     }
 
-    /// An uncertainty, at least what Newton's iteration leaves of a parameter's last digits. Where
-    /// it is NaN, the place lies in the last step.
-    pub(super) fn at_least(&self, parameter: f64, uncertainty: f64) -> f64 {
+    /// An uncertainty, with what rounding leaves of a parameter's last digits. Where it
+    /// is NaN, the place lies in the last step.
+    pub(super) fn with_last_digits(&self, parameter: f64, uncertainty: f64) -> f64 {
         let step = (self.parameter() - parameter_of(&self.branch.before)).abs();
-        at_least((parameter, uncertainty), step, self.branch.units.width)
+        let of_rounding = (self.branch.units.width, self.branch.last.steps);
+        with_last_digits((parameter, uncertainty), step, of_rounding)
     }
 }
 

@@ -21,7 +21,7 @@ use crate::filippov::Options;
 pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
 use outline::{Cut, Segment, segment_to_cut};
-pub(super) use path::{Function, Path, SAFETY, Zero, at_least};
+pub(super) use path::{Function, Path, SAFETY, Zero, with_last_digits};
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
 
@@ -85,7 +85,8 @@ pub(crate) struct Cycle {
     pub anchor: Moment,
     /// Residual allowed in its equations, in the unit of the states.
     pub closes_to: f64,
-    /// Number of Newton iterations.
+    /// Number of steps, and of Newton iterations.
+    pub steps: usize,
     pub iterations: usize,
     /// Dimension of the family of orbits to which it belongs.
     pub family: usize,

@@ -104,12 +104,16 @@ pub(crate) trait Path {
 /// that change is the error to a tenth or so, and twice the change bounds it.
 pub(crate) const SAFETY: f64 = 2.0;
 
-/// An uncertainty of a parameter or, where that is not finite, the other one. It is at least what
-/// Newton's iteration leaves of the last digits in a range of this width.
-pub(crate) fn at_least((parameter, uncertainty): (f64, f64), otherwise: f64, width: f64) -> f64 {
+/// An uncertainty of a parameter or, where that is not finite, the other one. On top comes what the
+/// rounding of so many steps leaves of the last digits in a range of this width.
+pub(crate) fn with_last_digits(
+    (parameter, uncertainty): (f64, f64),
+    otherwise: f64,
+    (width, steps): (f64, usize),
+) -> f64 {
     let is_known = uncertainty.is_finite();
     let uncertainty = if is_known { uncertainty } else { otherwise };
-    uncertainty.max(ULPS * f64::EPSILON * parameter.abs().max(width))
+    uncertainty + ULPS * steps as f64 * f64::EPSILON * parameter.abs().max(width)
 }
 
 /// A function of solutions, such as of periodic orbits.

@@ -225,6 +225,7 @@ impl<'a> Shooting<'a> {
             extent: length(extent, &outline, self.states, self.options),
             outline,
             closes_to,
+            steps: equations.steps,
             iterations,
             family,
         })

@@ -36,7 +36,8 @@ pub(super) struct Kink {
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first change of a comparison in the step that the series depends on, or at the end of
-    /// the run up to rounding. Also returns whether two compared numbers are equal at the start and the result changes after it.
+    /// the run up to rounding. Also returns whether two compared numbers are equal at the start and
+    /// the result changes after it.
     pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
         let step_series = &self.step_series;
         let (mut first, mut at_end, mut is_tie): (Option<Kink>, _, _) = (None, None, false);
