@@ -194,9 +194,9 @@ pub enum Error {
             before, or write what follows as a contact", t = readable(*t)
     )]
     NotLipschitz {
-        /// Time reached.
+        /// Time at which the orbit comes there.
         t: f64,
-        /// State reached.
+        /// State there.
         x: Point,
     },
     /// The next step is below the rounding of times, and would not move the time.

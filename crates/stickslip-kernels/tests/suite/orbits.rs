@@ -6,24 +6,18 @@ use stickslip::analysis::{
 };
 use stickslip::math;
 use stickslip::{Method, Options};
-use stickslip_kernels::file::{Source, System, SystemFile};
+use stickslip_kernels::file::System;
 use stickslip_kernels::study::{Along, PeriodicSearch};
 
-fn system(text: &str) -> System {
-    let (name, text) = ("test.toml".to_owned(), text.to_owned());
-    let file = SystemFile::parse(Source { name, text }).unwrap();
-    file.with(&[]).unwrap()
-}
+use crate::run::{SEARCH, orbit_from, system};
 
-/// The orbit that the run from a start approaches.
-fn orbit(system: &System, start: &[f64], transient: f64, options: &Options) -> PeriodicOrbit {
+/// The orbit that the run from the start of the file approaches after a transient.
+fn orbit(system: &System, transient: f64, options: &Options) -> PeriodicOrbit {
     let search = PeriodicSearch {
         transient: Some(transient),
-        period: None,
-        longest: 100.0,
-        periods: None,
+        ..SEARCH
     };
-    search.orbit(system, (0.0, start), options).unwrap().0
+    orbit_from(system, 0.0, &search, options)
 }
 
 /// The branch through an orbit, in one direction.
@@ -67,7 +61,7 @@ fn a_forced_orbit_has_the_period_of_its_drive_and_is_isolated_in_any_unit_of_tim
             for tol in [1e-5, 1e-7, 1e-10, 1e-12] {
                 for method in [Method::Taylor, Method::Dop853] {
                     let options = Options::tol(tol).method(method);
-                    let found = orbit(&system, &[0.0], 0.0, &options);
+                    let found = orbit(&system, 0.0, &options);
                     let what = format!("{period:e}, {decay}, {options:?}");
                     assert_eq!((found.period, found.family), (period, 0), "{what}");
                     let value = multipliers(&found.monodromy)[0].re;
@@ -85,7 +79,7 @@ fn an_integral_of_a_drive_is_a_family_in_any_unit_of_time() {
     for period in [1e-9, 4e-6, 1.0, 1e6] {
         let system = driven("100*(ramp - 0.5)", period);
         for tol in [1e-5, 1e-10] {
-            let found = orbit(&system, &[0.0], 0.0, &Options::tol(tol));
+            let found = orbit(&system, 0.0, &Options::tol(tol));
             assert_eq!(
                 (found.period, found.family),
                 (period, 1),
@@ -99,7 +93,7 @@ fn an_integral_of_a_drive_is_a_family_in_any_unit_of_time() {
 fn every_orbit_of_a_forced_branch_has_the_period_of_the_drive() {
     let system = driven("-1000*b*x + 100*ramp", 4e-6);
     let options = Options::tol(1e-5).method(Method::Taylor);
-    let first = orbit(&system, &[0.0], 0.1, &options);
+    let first = orbit(&system, 0.1, &options);
     let branch = branch(&system, ("b", 0.5, 2.0), (&first, true), &options);
     assert_eq!(branch.stop, Stop::Range);
     assert!(branch.points.iter().all(|at| at.period == 4e-6));
@@ -123,7 +117,7 @@ fn buck(unit: f64) -> System {
 fn a_buck_converter_flips_at_the_same_voltage_in_any_unit_of_time() {
     for (unit, tol) in [(1.0, 1e-7), (1e-3, 1e-9), (1e-3, 1e-10), (1.0, 1e-12)] {
         let (system, options) = (buck(unit), Options::tol(tol).method(Method::Taylor));
-        let first = orbit(&system, &[12.0, 0.55, 0.0], 0.1 * unit, &options);
+        let first = orbit(&system, 0.1 * unit, &options);
         let branch = branch(&system, ("E", 15.0, 26.0), (&first, true), &options);
         let at = only(&branch);
         assert_eq!(at.what, CycleBifurcation::Flip, "{unit:e}, {tol:e}");
@@ -166,7 +160,7 @@ fn a_stick_that_the_kink_of_an_input_releases_lasts_along_a_branch() {
     let system = system(RELEASED);
     for method in [Method::Taylor, Method::Dop853] {
         let options = Options::tol(1e-10).method(method);
-        let first = orbit(&system, &[0.0, 2.0], 50.0, &options);
+        let first = orbit(&system, 50.0, &options);
         for upwards in [true, false] {
             let branch = branch(&system, ("R", 15.0, 25.0), (&first, upwards), &options);
             assert_eq!(branch.special, []);
@@ -211,7 +205,7 @@ fn a_release_that_comes_before_the_kink_is_a_coincidence() {
     let system = system(RELEASED_EARLIER);
     for method in [Method::Taylor, Method::Dop853] {
         let options = Options::tol(1e-10).method(method);
-        let first = orbit(&system, &[0.0], 50.0, &options);
+        let first = orbit(&system, 50.0, &options);
         let branch = branch(&system, ("a", 1.8, 3.0), (&first, false), &options);
         let at = only(&branch);
         let CycleBifurcation::Sequence(change) = &at.what else {
@@ -260,7 +254,7 @@ fn a_place_on_a_branch_lies_within_its_uncertainty_at_any_tolerance() {
     ];
     let fixed = fixed.map(|(method, bound)| (Options::tol(1e-9).method(method), bound));
     for (options, bound) in by_tolerance.chain(fixed) {
-        let first = orbit(&system, &[0.0, 0.0], 200.0, &options);
+        let first = orbit(&system, 200.0, &options);
         let branch = branch(&system, ("w", 4.85, 5.3), (&first, false), &options);
         let at = only(&branch);
         assert_eq!(at.what, CycleBifurcation::Flip);
@@ -284,7 +278,7 @@ fn a_sampled_loop_at_rest_is_no_family() {
     );
     for transient in [5.0, 20.0, 100.0, 200.0] {
         let options = Options::tol(1e-10).method(Method::Taylor);
-        let found = orbit(&system, &[1.0, 0.0, -1.0], transient, &options);
+        let found = orbit(&system, transient, &options);
         assert_eq!((found.period, found.family), (0.1, 0), "{transient}");
     }
 }

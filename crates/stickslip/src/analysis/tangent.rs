@@ -6,7 +6,7 @@ use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
 use crate::error::{Error, Point};
-use crate::filippov::{Options, TransitionKind, boundary_gradient};
+use crate::filippov::{MIN_TOLERANCE, Options, TransitionKind, boundary_gradient};
 use crate::system::{Filippov, State};
 
 /// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
@@ -71,8 +71,7 @@ impl<'a> Tangent<'a> {
     /// error estimate of order 8 falls by 256.
     pub(crate) fn finer(mut self) -> Self {
         const TOLERANCE_PART: f64 = 1.0 / 512.0;
-        const LEAST: f64 = 1e-15;
-        self.carrying.tolerance = (TOLERANCE_PART * self.carrying.tolerance).max(LEAST);
+        self.carrying.tolerance = (TOLERANCE_PART * self.carrying.tolerance).max(MIN_TOLERANCE);
         self
     }
 

@@ -105,8 +105,9 @@ where
         Ok(Some(jump_search))
     }
 
-    /// A jump whose function is zero at the start and goes in its direction there is due, unless it
-    /// depends on time alone: the run that ended there has carried it out.
+    /// A jump whose function is zero at the start and goes in its direction there is due; otherwise
+    /// the function stands at zero. Of one that depends on time alone, the run that ended there has
+    /// carried the jump out.
     fn find_due_at_start(&mut self, integration: &Integration<'a, S, N, G>) {
         if integration.has_ended() {
             return;
@@ -120,16 +121,21 @@ where
             if !search.depends_on_state(&at, integration.states()) {
                 continue;
             }
-            // It may pass within rounding of the start.
-            let value: f64 = self.jumps.when(number, at.t, components(&at.x));
-            search.set_side(if value == 0.0 { 0.0 } else { value.signum() });
-            let way = match search.sign_of_rate(&at, &velocity) {
-                0.0 => continue,
-                rate if rate > 0.0 => Direction::Rising,
-                _ => Direction::Falling,
+            let sign = search.sign_at(&at);
+            if sign != 0.0 {
+                search.set_side(sign);
+                continue;
+            }
+            let rate = search.sign_of_rate(&at, &velocity);
+            let way = if rate > 0.0 {
+                Direction::Rising
+            } else {
+                Direction::Falling
             };
-            if self.jumps.direction(number).includes(way) && search.sign_at(&at) == 0.0 {
+            if rate != 0.0 && self.jumps.direction(number).includes(way) {
                 self.due.push_back(Due::at_once(number));
+            } else {
+                search.stand_at_zero(0.0, rate);
             }
         }
         // A phase of zero length lies before it.

@@ -39,6 +39,7 @@ pub use integration::{Integration, Progress};
 pub use observer::{
     Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
 };
+pub(crate) use options::MIN_TOLERANCE;
 pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
 pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};

@@ -41,10 +41,6 @@ const SERIES_AGREEMENT: f64 = 0.1;
 /// seldom the same as a third.
 const EARLIER_LIMITS: usize = 3;
 
-/// Earlier rounds count if their uncertainty is less by this factor. Chosen: the state is nearer to
-/// the limit at the later ones.
-const EARLIER_ROUNDS: f64 = 0.1;
-
 /// Counts events within a span of time that counts as none.
 struct Burst {
     since: f64,
@@ -273,9 +269,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     }
 
     /// The geometric series of the last transitions, if they form one: three rounds in a row with
-    /// the same ratio. Of all rounds, those with the least uncertainty of the limit count, or the
-    /// later ones unless it is much less. Its differences from the limits by the rounds some
-    /// transitions earlier are part of it: the very last rounds may be rounding.
+    /// the same ratio. Of all rounds, those with the least uncertainty of the limit count. Its
+    /// differences from the limits by rounds before them are part of it: the last may be rounding.
+    /// The state there is that of the last rounds, which are nearest to it.
     pub(crate) fn series(&self) -> Option<GeometricSeries<N>> {
         let best = |best: Option<GeometricSeries<N>>, (newest, round)| {
             let mut one = self.series_by_rounds(round, newest);
@@ -301,13 +297,16 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             rounds.map(|round| (newest, round)).fold(None, best)
         };
         let mut all = (newest..phases).filter_map(until);
-        let first = all.next()?;
-        Some(all.fold(first, |newer, older| {
-            match older.uncertainty < EARLIER_ROUNDS * newer.uncertainty {
-                true => older,
-                false => newer,
+        let latest = all.next()?;
+        let (x, distance) = (latest.at.x, latest.distance);
+        let mut series = all.fold(latest, |least, other| {
+            match other.uncertainty < least.uncertainty {
+                true => other,
+                false => least,
             }
-        }))
+        });
+        (series.at.x, series.distance) = (x, distance);
+        Some(series)
     }
 
     /// The series by three rounds of `round` transitions, the last of them the `newest`-th last.

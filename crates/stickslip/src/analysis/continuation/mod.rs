@@ -151,7 +151,7 @@ pub struct SpecialPoint {
     /// The parameter.
     pub parameter: f64,
     /// Uncertainty of the parameter: the residual of the test function with its rounding error,
-    /// over its slope along the branch, and the error of integration, as in
+    /// over its slope along the branch. It includes the error of integration, as in
     /// [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
     /// Its kind.

@@ -85,8 +85,9 @@ pub(crate) struct Cycle {
     pub anchor: Moment,
     /// Residual allowed in its equations, in the unit of the states.
     pub closes_to: f64,
-    /// Number of steps, and of Newton iterations.
+    /// Number of steps.
     pub steps: usize,
+    /// Number of Newton iterations.
     pub iterations: usize,
     /// Dimension of the family of orbits to which it belongs.
     pub family: usize,

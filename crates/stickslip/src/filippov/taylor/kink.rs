@@ -51,7 +51,11 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let s = if c_left[0] <= 0.0 {
                 0.0
             } else {
-                first_zero(c_left).unwrap_or(1.0)
+                match first_zero(c_left) {
+                    Some(s) => s,
+                    None if self.is_last => 1.0,
+                    None => continue,
+                }
             };
             let size: f64 = c.iter().map(|c| c.abs()).sum();
             let mut after = s;
