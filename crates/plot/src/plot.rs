@@ -176,6 +176,7 @@ impl<'p, 'a> Plot<'p, 'a> {
     /// A polyline in data units, cut at the frame.
     pub(super) fn stroke(&self, points: &[Point], pen: &Pen) -> Drawn {
         let mut pieces = polyline::clip_line(points, &self.bounds);
+        let mut pen = *pen;
         if points.len() > MOST_POINTS {
             let size = (self.frame.width(), self.frame.height());
             let mut trace = Trace::new(size, pen.width, MOST_POINTS);
@@ -184,16 +185,18 @@ impl<'p, 'a> Plot<'p, 'a> {
                 trace.lift();
             }
             pieces = polyline::clip_line(&trace.points(), &self.bounds);
+            // A thinned line ends in the middle of others: a round end is a corner there.
+            pen.is_round = true;
         }
         let thin = |piece: &Vec<Point>| polyline::simplify(piece, self.scale(), INVISIBLE);
         let mut pieces: Vec<Vec<Point>> = pieces.iter().map(thin).collect();
         if pieces.len() > MOST_ELEMENTS {
             let lengths = pieces.iter().map(Vec::len).collect();
-            let (points, ink) = (pieces.concat(), Ink::Lines(*pen, lengths));
+            let (points, ink) = (pieces.concat(), Ink::Lines(pen, lengths));
             return Ok(self.data.draw(&Element { points, ink })?);
         }
         pieces.drain(..).try_for_each(|points| {
-            let ink = Ink::Line(*pen);
+            let ink = Ink::Line(pen);
             Ok(self.data.draw(&Element { points, ink })?)
         })
     }

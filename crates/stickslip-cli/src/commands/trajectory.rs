@@ -103,7 +103,8 @@ fn portrait(system: &System, recording: &Recording, pictures: &Pictures) -> Figu
     let [x, y] = [0, 1].map(|k| axis(&label(k), ends(pictures.extents[k])));
     let mut panel = Panel::new(x, y).legend(Legend::Below);
     let orbit = Curve::new(pictures.portrait.points()).color(BLUE);
-    panel.add(orbit.width(CURVE_WIDTH).legend("orbit"));
+    // A thinned line ends in the middle of others: a round end is a corner there.
+    panel.add(orbit.width(CURVE_WIDTH).round().legend("orbit"));
     let contacts = &system.file.contacts;
     for (k, (contact, stick)) in contacts.iter().zip(&pictures.sticks).enumerate() {
         let points = stick.points();
@@ -227,7 +228,7 @@ fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figur
                 panel.add(Band::x(begin, end).fill(LIGHT_ORANGE));
             }
         }
-        let curve = Curve::new(pictures.history[k].points());
+        let curve = Curve::new(pictures.history[k].points()).round();
         panel.add(curve.color(COLOURS[k % COLOURS.len()]).width(CURVE_WIDTH));
         figure = figure.row(height, panel);
     }
