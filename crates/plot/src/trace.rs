@@ -171,7 +171,8 @@ struct Paper {
     up: Edge,
     /// Width of the pen, in cells.
     pen: f64,
-    /// A bit for each cell, row by row in whole words.
+    /// A bit for each cell, in words of a row; those above one another are neighbours, so that a
+    /// line in any direction stays in the cache.
     drawn: Vec<u64>,
 }
 
@@ -231,18 +232,16 @@ impl Paper {
     }
 
     fn is_drawn(&self, a: Point, b: Point) -> bool {
-        let words = self.across.cells.div_ceil(64);
+        let rows = self.up.cells;
         self.cells(a, b).all(|(row, columns)| {
-            let row = &self.drawn[row * words..][..words];
-            bits(columns).all(|(word, bits)| row[word] & bits == bits)
+            bits(columns).all(|(word, bits)| self.drawn[word * rows + row] & bits == bits)
         })
     }
 
     fn mark(&mut self, a: Point, b: Point) {
-        let words = self.across.cells.div_ceil(64);
+        let rows = self.up.cells;
         for (row, columns) in self.cells(a, b) {
-            let row = &mut self.drawn[row * words..][..words];
-            bits(columns).for_each(|(word, bits)| row[word] |= bits);
+            bits(columns).for_each(|(word, bits)| self.drawn[word * rows + row] |= bits);
         }
     }
 
@@ -253,10 +252,12 @@ impl Paper {
         let mut lines = Vec::new();
         // Neighbours overlap by a cell.
         for low in (0..self.up.cells.saturating_sub(wide)).step_by((wide - 1).max(1)) {
-            let rows = || (low..low + wide).map(|row| &self.drawn[row * words..][..words]);
-            let is_full = |k: usize| match gap {
-                0 => rows().fold(u64::MAX, |all, row| all & row[k]),
-                _ => rows().fold(0, |all, row| all | row[k]),
+            let is_full = |k: usize| {
+                let rows = self.drawn[k * self.up.cells + low..][..wide].iter();
+                match gap {
+                    0 => rows.fold(u64::MAX, |all, row| all & row),
+                    _ => rows.fold(0, |all, row| all | row),
+                }
             };
             let y = self.up.value(low as f64 + 0.5 * wide as f64);
             let mut line = |from: usize, to: usize| {
