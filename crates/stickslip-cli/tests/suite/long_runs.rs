@@ -126,7 +126,7 @@ fn runs_of_many_events_or_small_steps_are_not_stiff() {
         command.assert().success().stderr("");
     }
     // Steps that the kinks of an input cut.
-    let text = "name = \"s\"\n[time]\nend = 20000\n[states]\nx = \"\"\n[inputs.u]\n\
+    let text = "name = \"s\"\n[time]\nend = 9000\n[states]\nx = \"\"\n[inputs.u]\n\
         shape = \"square\"\nperiod = 0.1\n[field]\nx = \"-x*(1 + 0.5*u)\"\n[start]\nx = 1\n";
     let (_top, mut command) = program(text);
     command.args(["simulate", "system.toml", "--no-figures", "--no-steps"]);
