@@ -5,7 +5,7 @@ use replication::captions::{
     CaptionTable, CaptionVariant, DRAWS, HALF_UNIT, caption_spectrum, committed,
 };
 use replication::figures::block_and_bracket::SETS;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 /// As for the other golden files.
 const TOLERANCE: f64 = 1e-10;

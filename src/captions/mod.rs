@@ -20,7 +20,7 @@ use crate::paper::models::{BlockAndBracket, Caption, Reading};
 use std::ops::ControlFlow;
 use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Error, Locator, Method, Observer, Options, State, StepRecord};
 pub use table::{CaptionTable, ExponentBudget, committed};
 
@@ -181,6 +181,6 @@ pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<CaptionTable, Error> {
 }
 
 /// Number of rows.
-pub fn rows() -> usize {
-    SETS.len() * CaptionVariant::all().count()
+pub fn rows() -> u64 {
+    (SETS.len() * CaptionVariant::all().count()) as u64
 }

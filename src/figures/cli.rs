@@ -8,6 +8,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use super::{FigureSpec, curves, rows};
 use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError};
+use output::terminal::with_spinner;
 use output::Artifact;
 
 /// Arguments of a figure program.
@@ -38,10 +39,8 @@ pub fn main<D>(figure: &FigureSpec<D>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    let progress = terminal::spinner(format!("computing {}", figure.name));
-    let outcome = run(figure, &arguments);
-    progress.finish_and_clear();
-    terminal::finish("table", outcome)
+    let what = format!("computing {}", figure.name);
+    terminal::finish(with_spinner(&what, |_| run(figure, &arguments)))
 }
 
 /// The figure's command: name, help, examples.

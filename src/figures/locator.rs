@@ -2,7 +2,6 @@
 //!
 //! This is not a figure of the paper. It measures what the paper's title promises.
 
-use crate::numbers::bisect;
 use std::f64::consts::PI;
 
 use super::FigureSpec;
@@ -16,7 +15,7 @@ use plot::{
 };
 use stickslip::math;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
-use stickslip::statistics::PowerLaw;
+use numerics::{PowerLaw, bisect};
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.

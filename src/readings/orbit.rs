@@ -12,7 +12,7 @@ use crate::paper::models::{BlockAndBracket, Caption};
 use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
-use stickslip::statistics::PowerLaw;
+use numerics::PowerLaw;
 use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 
 /// An orbit that stays bounded to the end.

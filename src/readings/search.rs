@@ -134,7 +134,7 @@ mod tests {
     use approx::relative_eq;
     use rayon::prelude::*;
     use stickslip::math;
-    use stickslip::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// A torus with two incommensurate frequencies, one of them in columns of another scale.
     fn torus(scale: f64) -> Vec<[f64; 4]> {

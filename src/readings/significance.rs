@@ -5,7 +5,7 @@ use super::scoring::distance;
 use super::table::{ConfigurationRow, Twelve};
 use crate::paper::published::HALF_DIGIT;
 use stickslip::math;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 /// Smallest and largest size of a random negative exponent, a little wider than the published
 /// range. Its logarithm is uniform.

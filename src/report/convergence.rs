@@ -1,7 +1,7 @@
 //! The listing as printed for decreasing steps, compared with its limit in the event-exact solver.
 
 use rayon::prelude::*;
-use stickslip::statistics::PowerLaw;
+use numerics::PowerLaw;
 
 use super::digits::Agreement;
 use super::matrix::{ComparedRun, four_digits};

@@ -1,7 +1,8 @@
-//! Output of results, shared by all programs: files that are either complete or absent, and figures
-//! as PNG.
+//! Output of all programs: files that are either complete or absent, figures as PNG, and what is
+//! printed.
 
 mod png;
+pub mod terminal;
 
 use std::fs::{self, File};
 use std::io::ErrorKind::CrossesDevices;

@@ -17,7 +17,7 @@ use super::progress::{Progress, report, unwatched};
 use super::result::{Counts, DataExponent, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
-use super::statistics::upper_median;
+use numerics::upper_median;
 use super::tree::Neighbour;
 
 /// Reference points between two reports of progress: few enough that their maps stay in the cache.

@@ -22,7 +22,7 @@ use super::neighbours::POINTS_PER_NEIGHBOUR;
 use super::polynomial::Polynomial;
 use super::settings::DataSettings;
 use super::settings::Degree;
-use super::statistics::upper_median;
+use numerics::upper_median;
 use super::tree::Neighbour;
 
 /// Neighbours at the smaller size for each unknown. Chosen: fewer leave noise in the maps, and

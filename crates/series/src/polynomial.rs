@@ -137,7 +137,7 @@ impl Polynomial {
 mod tests {
     use super::*;
     use crate::least_squares::ShiftedColumns;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
     use crate::tree::Neighbour;
 
     /// A polynomial with two tangent directions and quadratic forms of the given number of

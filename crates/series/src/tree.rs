@@ -290,7 +290,7 @@ fn order(a: &Neighbour, b: &Neighbour) -> Ordering {
 mod tests {
     use super::*;
     use crate::matrix::distance2;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Compares with an exhaustive search. There are up to some hundred points, in space, on a
     /// grid, or in a few places far from the origin.

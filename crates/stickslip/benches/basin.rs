@@ -5,7 +5,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use stickslip::analysis::{RecurrenceSettings, basin};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Filippov, Method, Options, Scalar, Side, State};
 
 const STARTS: usize = 3600;

@@ -111,7 +111,6 @@ pub mod math;
 pub mod ode;
 pub mod orbit;
 pub mod scalar;
-pub mod statistics;
 pub mod system;
 mod taylor;
 

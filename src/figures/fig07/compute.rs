@@ -1,6 +1,6 @@
 //! The transition function, its oscillating zeros and their bifurcation.
 
-use crate::numbers::bisect;
+use numerics::bisect;
 use crate::paper::models::ForcedOscillator;
 use crate::paper::models::cubic::{Cubic, TangentPoint};
 use crate::terminal::ProgramError;

@@ -9,7 +9,7 @@ use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::finding::{Finding, statement};
 use crate::text::joined;
 use std::f64::consts::PI;
-use stickslip::statistics::PowerLaw;
+use numerics::PowerLaw;
 
 /// Time (s) of a slip phase in which orders are measured: a whole number of all steps, and in place
 /// three times as long, before Σ is met.

@@ -4,7 +4,8 @@
 use rayon::prelude::*;
 
 use crate::figures::fig08;
-use crate::numbers::{bisect, largest};
+use crate::numbers::largest;
+use numerics::bisect;
 use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{

@@ -4,7 +4,8 @@ use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
 use crate::figures::rows::Value;
-use crate::numbers::{ROUNDING, bisect, change_points, extent, largest};
+use crate::numbers::{ROUNDING, change_points, extent, largest};
+use numerics::bisect;
 use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;

@@ -3,7 +3,7 @@
 use stickslip::Scalar;
 use stickslip::math;
 use stickslip::scalar::Dual;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 /// Runge–Kutta steps between two points of a flow's series.
 const SUBSTEPS: usize = 8;

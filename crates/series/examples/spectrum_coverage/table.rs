@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use stickslip_series::statistics::middle_two;
+use numerics::middle_two;
 
 use super::trial::{Observed, Row, Verdict};
 

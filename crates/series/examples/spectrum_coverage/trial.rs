@@ -8,7 +8,7 @@ use stickslip_series::{
 };
 
 use stickslip::math;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 use super::systems::Case;
 

@@ -18,7 +18,7 @@ use super::matrix::{Matrix, distance2};
 use super::neighbours::Finder;
 use super::progress::{Progress, report};
 use super::series::Series;
-use super::statistics::upper_median;
+use numerics::upper_median;
 use super::tree::Neighbour;
 
 pub use straight::StraightPart;

@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::error::DataError;
 use crate::series::Series;
-use crate::statistics::{SplitMix, order};
+use numerics::{SplitMix, order};
 
 /// Largest number of iterations for a surrogate. Chosen, to bound the time: the spectrum then
 /// changes by little.

@@ -13,7 +13,7 @@ use stickslip::{Direction, Error, Mode, Options, TransitionKind};
 use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, stick_width};
 use crate::failure::CommandLine;
 use crate::render::input_name;
-use crate::terminal::{DelayedProgressBar, note};
+use output::terminal::{DelayedProgressBar, note};
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::follow;
 use stickslip_kernels::study::{FrictionWatch, StepMonitor};

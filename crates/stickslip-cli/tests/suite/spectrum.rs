@@ -7,7 +7,7 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 use stickslip::math;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));

@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 fn program(arguments: &[&str], text: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));

@@ -6,7 +6,7 @@ use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
 use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Direction, Scalar};
 
 use super::build::{self, Built};

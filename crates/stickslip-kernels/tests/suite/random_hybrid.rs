@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System;
 

@@ -291,7 +291,7 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::math;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Coefficients of `scale Π (s − root)`, with zeros up to the degree.
     fn polynomial(roots: &[f64], scale: f64) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! Corners where two contacts come to zero together, compared with all motions that are consistent.
 
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{
     Contacts, Ending, Error, Method, Mode, Options, Orbit, Scalar, Several, Side, solve,
 };

@@ -2,7 +2,7 @@
 //! two methods.
 
 use stickslip::analysis::Visibility::{self, Invisible, Visible};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{
     Approach, AtRepelling, Ending, Filippov, Method, Mode, Options, Orbit, Scalar, Side,
     TransitionKind, TwoFold,

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 
 use crate::commands::range::{StateRange, middle};
 use crate::commands::sweeping::blocks;

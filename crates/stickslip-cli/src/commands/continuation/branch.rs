@@ -17,7 +17,7 @@ use super::super::range::ParameterRange;
 use super::saving::{BranchSaver, saved, saved_or_computed};
 use crate::failure::Failure;
 use crate::sweep::Writer;
-use crate::terminal::Status;
+use output::terminal::Status;
 
 /// The first blocks behind those of both directions. For each special orbit there are two: its
 /// curve in two parameters, and the branches that begin there.

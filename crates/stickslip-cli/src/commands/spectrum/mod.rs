@@ -19,7 +19,7 @@ use stickslip_series::{
 use crate::failure::Failure;
 use crate::render::{CommandOutput, OutputArguments, Report};
 use crate::table;
-use crate::terminal::{DelayedProgressBar, note};
+use output::terminal::{DelayedProgressBar, note};
 use findings::{Embedded, Findings};
 
 /// Seed of the surrogates. It is fixed so that results are reproducible.

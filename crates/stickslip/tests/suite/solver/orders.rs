@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
-use stickslip::statistics::PowerLaw;
+use numerics::PowerLaw;
 use stickslip::{Locator, Method, Options, Orbit, State, math};
 
 use super::check::changes;
