@@ -8,9 +8,9 @@ use clap::Parser;
 use super::{DRAWS, compute, rows};
 use crate::figures::block_and_bracket::SETS;
 use crate::terminal::{self, ProgramError};
-use output::terminal::DelayedProgressBar;
 use crate::text::joined;
 use output::Artifact;
+use output::terminal::DelayedProgressBar;
 
 const ABOUT: &str = "Moves each number of the captions of Figs. 10-12 within the rounding of its \
     last decimal and computes exponents and class again, 200 times a figure.";

@@ -15,12 +15,12 @@ mod table;
 use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE};
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
-use std::ops::ControlFlow;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
-use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use numerics::SplitMix;
+use std::ops::ControlFlow;
+use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Observer, Options, State, StepRecord};
 pub use table::{CaptionTable, ExponentBudget, committed};
 

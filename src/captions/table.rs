@@ -2,10 +2,10 @@
 
 use super::{CaptionSpectrum, CaptionVariant};
 use crate::figures::block_and_bracket::SETS;
+use crate::motion::Class;
 use crate::numbers::extent;
 use crate::text::csv;
 use std::sync::OnceLock;
-use stickslip::analysis::motion::Class;
 
 /// The committed table.
 const TABLE: &str = include_str!("../../golden/captions.csv");

@@ -8,8 +8,8 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use super::{FigureSpec, curves, rows};
 use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError};
-use output::terminal::with_spinner;
 use output::Artifact;
+use output::terminal::with_spinner;
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]

@@ -9,13 +9,13 @@ use super::rows::Row;
 use crate::paper::models::BeltOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::terminal::ProgramError;
+use numerics::{PowerLaw, bisect};
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
 };
 use stickslip::math;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
-use numerics::{PowerLaw, bisect};
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.

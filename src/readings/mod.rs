@@ -24,8 +24,8 @@ use clap::Parser;
 use rayon::prelude::*;
 
 use crate::terminal::{self, ProgramError};
-use output::terminal::DelayedProgressBar;
 use output::Artifact;
+use output::terminal::DelayedProgressBar;
 
 pub use committed::{CommittedSearch, Match, committed_rows};
 use plan::Plan;

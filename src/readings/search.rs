@@ -132,9 +132,9 @@ mod tests {
     use super::*;
     use crate::readings::settings::everywhere;
     use approx::relative_eq;
+    use numerics::SplitMix;
     use rayon::prelude::*;
     use stickslip::math;
-    use numerics::SplitMix;
 
     /// A torus with two incommensurate frequencies, one of them in columns of another scale.
     fn torus(scale: f64) -> Vec<[f64; 4]> {

@@ -4,8 +4,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::motion::{Class, UnknownClass};
 use crate::text::joined;
-use stickslip::analysis::motion::{Class, UnknownClass};
 use stickslip_series::Status;
 
 /// The twelve exponents of Figs. 10–12, each figure's in descending order.

@@ -1,7 +1,7 @@
 //! The listing as printed for decreasing steps, compared with its limit in the event-exact solver.
 
-use rayon::prelude::*;
 use numerics::PowerLaw;
+use rayon::prelude::*;
 
 use super::digits::Agreement;
 use super::matrix::{ComparedRun, four_digits};

@@ -30,12 +30,7 @@ const KEPT_PART: f64 = 0.618_033_988_749_894_9;
 ///
 /// Forty sections shrink the interval to 4e-9 of its length. The value is then accurate to
 /// rounding.
-pub fn golden_section(
-    mut a: f64,
-    mut b: f64,
-    sections: u32,
-    function: impl Fn(f64) -> f64,
-) -> f64 {
+pub fn golden_section(mut a: f64, mut b: f64, sections: u32, function: impl Fn(f64) -> f64) -> f64 {
     let (mut c, mut d) = (b - KEPT_PART * (b - a), a + KEPT_PART * (b - a));
     let (mut at_c, mut at_d) = (function(c), function(d));
     for _ in 0..sections {

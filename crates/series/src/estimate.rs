@@ -17,8 +17,8 @@ use super::progress::{Progress, report, unwatched};
 use super::result::{Counts, DataExponent, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
-use numerics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 /// Reference points between two reports of progress: few enough that their maps stay in the cache.
 const POINTS_PER_REPORT: usize = 128;

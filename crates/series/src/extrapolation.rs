@@ -22,8 +22,8 @@ use super::neighbours::POINTS_PER_NEIGHBOUR;
 use super::polynomial::Polynomial;
 use super::settings::DataSettings;
 use super::settings::Degree;
-use numerics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 /// Neighbours at the smaller size for each unknown. Chosen: fewer leave noise in the maps, and
 /// more make neighbourhoods larger.

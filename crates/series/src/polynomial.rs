@@ -137,8 +137,8 @@ impl Polynomial {
 mod tests {
     use super::*;
     use crate::least_squares::ShiftedColumns;
-    use numerics::SplitMix;
     use crate::tree::Neighbour;
+    use numerics::SplitMix;
 
     /// A polynomial with two tangent directions and quadratic forms of the given number of
     /// directions.

@@ -2,10 +2,10 @@
 
 use super::numbers::by_size;
 use super::recorder::{DT, END, OrbitRecorder, START};
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
 use crate::terminal::ProgramError;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};

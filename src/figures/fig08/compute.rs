@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::destination::{Destination, destination};
 use crate::figures::{crossing, time_curve};
 use crate::numbers::not_found;
 use crate::paper::listing::{self, END, Motion, Sample, Setup, Stick};
@@ -11,7 +12,7 @@ use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
 use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
 use crate::terminal::ProgramError;
-use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
+use stickslip::analysis::{multipliers, periodic_orbit_forced};
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// The listing's settled motion.

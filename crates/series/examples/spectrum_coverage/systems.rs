@@ -1,9 +1,9 @@
 //! Systems of known spectrum: series of their states, and their exponents from the equations.
 
+use numerics::SplitMix;
 use stickslip::Scalar;
 use stickslip::math;
 use stickslip::scalar::Dual;
-use numerics::SplitMix;
 
 /// Runge–Kutta steps between two points of a flow's series.
 const SUBSTEPS: usize = 8;

@@ -7,8 +7,8 @@ use stickslip_series::{
     data_spectrum, needed_embedding, reversal, unwatched,
 };
 
-use stickslip::math;
 use numerics::SplitMix;
+use stickslip::math;
 
 use super::systems::Case;
 

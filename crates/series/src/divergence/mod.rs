@@ -18,8 +18,8 @@ use super::matrix::{Matrix, distance2};
 use super::neighbours::Finder;
 use super::progress::{Progress, report};
 use super::series::Series;
-use numerics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 pub use straight::StraightPart;
 use straight::straight_part;

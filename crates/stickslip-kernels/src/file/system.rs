@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use numerics::SplitMix;
 use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
 use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
-use numerics::SplitMix;
 use stickslip::{Direction, Scalar};
 
 use super::build::{self, Built};

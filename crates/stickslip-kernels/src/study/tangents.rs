@@ -8,7 +8,7 @@
 //! field is tangent to Σ. Where both fields point towards Σ, the contact sticks.
 
 use numerics::bisect;
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 use stickslip::scalar::Dual;
 use stickslip::{Scalar, Side};
 

@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
-use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
 use numerics::SplitMix;
+use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System;
 

@@ -5,7 +5,7 @@ use super::integration::{Due, Integration, Progress};
 use super::options::AtPileUp;
 use super::pile_up::GeometricSeries;
 use super::switched::Switched;
-use crate::error::Error;
+use crate::error::{ContactFault, Error};
 use crate::ode::{Dense, Timed};
 use crate::orbit::Ending;
 
@@ -22,7 +22,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             Error::StepCollapse { .. } | Error::TimeRounding { .. } => {
                 self.pile_up.series_reached_at(t, options)
             }
-            Error::NoUniqueMode { contacts, .. } => self.pile_up.series_of_contacts(t, contacts),
+            Error::Contacts {
+                fault: ContactFault::NoUniqueMode { contacts, .. },
+                ..
+            } => self.pile_up.series_of_contacts(t, contacts),
             _ => None,
         };
         if series.is_some() {

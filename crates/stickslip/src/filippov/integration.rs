@@ -188,9 +188,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// # Errors
     /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`],
     /// [`Error::BranchPileUp`], [`Error::TooMany`] and [`Error::Escaped`];
-    /// [`Error::StaticBelowKinetic`]; of several contacts [`Error::NoUniqueMode`],
-    /// [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
-    /// [`Error::NotAdditive`]. The integration stays at the last state.
+    /// [`Error::Contacts`]. The integration stays at the last state.
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {

@@ -19,7 +19,7 @@ use super::two_fold::two_fold;
 use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;
 use crate::dynamics::Modes;
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error};
 use crate::ode::{Linear, Timed};
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
@@ -296,12 +296,9 @@ fn departure_at<S: Filippov<N>, const N: usize>(
     if ratio == 1.0 {
         return Ok(departure_by(system, (&at, slack), tangent, calls));
     }
-    let Timed { t, x } = at;
-    let too_weak = |ratio| Error::StaticBelowKinetic {
-        t,
-        x: Point::from(&x),
-        contact: 0,
-        ratio,
+    let too_weak = |ratio| {
+        let contact = 0;
+        Error::at_contacts(&at, ContactFault::StaticBelowKinetic { contact, ratio })
     };
     if ratio < 1.0 - RELATIVE_ROUNDING {
         return Err(too_weak(ratio));

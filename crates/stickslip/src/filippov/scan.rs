@@ -277,7 +277,7 @@ fn unproven_before(
 /// successive zeros are found however close they lie, down to rounding.
 ///
 /// ```
-/// use stickslip::filippov::first_zero;
+/// use stickslip::first_zero;
 ///
 /// let zero = first_zero(|s| (s - 0.5) * (s - 0.500_001), 0.0, 1.0);
 /// assert!((zero.unwrap() - 0.5).abs() < 1e-9);

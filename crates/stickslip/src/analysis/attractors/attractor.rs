@@ -24,8 +24,7 @@ pub enum AttractorKind {
         period: f64,
     },
     /// Quasi-periodic or chaotic: the section points return to every region visited before, and no
-    /// pattern of them repeats. Lyapunov exponents distinguish the two
-    /// ([`crate::analysis::motion`]).
+    /// pattern of them repeats. [`crate::analysis::lyapunov_spectrum`] distinguishes the two.
     Recurrent,
     /// A component passed the escape bound of the options.
     Escape,

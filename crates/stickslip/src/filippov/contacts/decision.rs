@@ -4,7 +4,7 @@ use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
 use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error};
 use crate::filippov::flow::{Flow, flow_path};
 use crate::filippov::rules::LieDerivatives;
 use crate::filippov::run::Run;
@@ -110,11 +110,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             run.counters.field_calls += joint.field_calls();
             let (t, x) = (self.at.t, &self.at.x);
             let Some(consistent) = solutions(&joint, &self.modes, t, x) else {
-                return Err(Error::TooManyContacts {
-                    t,
-                    x: Point::from(x),
-                    contacts: joint.held().to_vec(),
-                });
+                let contacts = joint.held().to_vec();
+                let fault = ContactFault::TooManyContacts { contacts };
+                return Err(Error::at_contacts(&self.at, fault));
             };
             let held: Vec<usize> = joint.held().to_vec();
             let [outcomes] = consistent[..] else {
@@ -249,17 +247,17 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Checks that the contacts to be decided form a well-posed problem.
     fn check(&self, contacts: &[usize]) -> Result<(), Error> {
         let Timed { t, x } = self.at;
-        let dependent = |contacts: &[usize]| Error::DependentContacts {
-            t,
-            x: Point::from(&x),
-            contacts: contacts.to_vec(),
+        let fault = |fault| Err(Error::at_contacts(&self.at, fault));
+        let dependent = |contacts: &[usize]| {
+            let contacts = contacts.to_vec();
+            fault(ContactFault::DependentContacts { contacts })
         };
         let normals = gradients(self.system, t, &x);
         let mut gram = [[0.0; M]; M];
         for &i in contacts {
             let size = normals[i].norm();
             if size == 0.0 || !size.is_finite() {
-                return Err(dependent(&[i]));
+                return dependent(&[i]);
             }
             for &j in contacts {
                 gram[i][j] = normals[i].dot(&normals[j]) / (size * normals[j].norm());
@@ -267,16 +265,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
         // Of boundaries that coincide, the gradients span no volume.
         if principal_minor(&gram, contacts) <= RELATIVE_ROUNDING {
-            return Err(dependent(contacts));
+            return dependent(contacts);
         }
         let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
         for (index, &i) in contacts.iter().enumerate() {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
             if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
-                let x = Point::from(&x);
-                return Err(Error::StaticBelowKinetic {
-                    t,
-                    x,
+                return fault(ContactFault::StaticBelowKinetic {
                     contact: i,
                     ratio: at_rest / in_slip,
                 });
@@ -286,19 +281,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 rests[i] = true;
                 let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
                 if (beside - alone).abs() > NEGLIGIBLE_FRICTION * (alone.abs() + in_slip.abs()) {
-                    let x = Point::from(&x);
-                    return Err(Error::HoldsElsewhere {
-                        t,
-                        x,
-                        held: i,
-                        slipping: j,
-                    });
+                    let (held, slipping) = (i, j);
+                    return fault(ContactFault::HoldsElsewhere { held, slipping });
                 }
             }
             for &j in &contacts[index + 1..] {
                 if !S::MULTI_AFFINE && !self.adds_up(i, j) {
-                    let x = Point::from(&x);
-                    return Err(Error::NotAdditive { t, x, pair: (i, j) });
+                    return fault(ContactFault::NotAdditive { pair: (i, j) });
                 }
             }
         }
@@ -329,11 +318,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             .iter()
             .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))
             .collect();
-        Error::NoUniqueMode {
-            t: self.at.t,
-            x: Point::from(&self.at.x),
+        let fault = ContactFault::NoUniqueMode {
             contacts: contacts.to_vec(),
             candidates,
-        }
+        };
+        Error::at_contacts(&self.at, fault)
     }
 }

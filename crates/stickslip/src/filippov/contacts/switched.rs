@@ -4,7 +4,7 @@ use super::decision::Decision;
 use super::joint::{Affine, Joint, gradients, rates};
 use super::{Contacts, Several};
 use crate::dynamics::Modes;
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error, Point};
 use crate::filippov::check::check_run;
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Event;
@@ -108,9 +108,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             decided => return decided,
         };
         let sticking = match &undecided {
-            Error::NoUniqueMode {
-                contacts,
-                candidates,
+            Error::Contacts {
+                fault:
+                    ContactFault::NoUniqueMode {
+                        contacts,
+                        candidates,
+                    },
                 ..
             } if candidates.is_empty() => {
                 let at = run.at;

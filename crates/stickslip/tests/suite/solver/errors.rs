@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 use stickslip::error::readable;
 use stickslip::{
     Approach, AtPileUp, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind,

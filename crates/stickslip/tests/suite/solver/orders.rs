@@ -3,8 +3,8 @@
 
 use std::f64::consts::PI;
 
-use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
 use numerics::PowerLaw;
+use stickslip::ode::{Dop853, Rk4, RungeKutta, Timed, henon_step};
 use stickslip::{Locator, Method, Options, Orbit, State, math};
 
 use super::check::changes;
