@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use output::Artifact;
 use output::terminal;
 
-/// What ends a program: the error of a part, or a message with the value and the remedy.
+/// Failure of a program: the error of a part, or a message with the value and the remedy.
 pub type ProgramError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Writes files into a folder, which `option` chooses, and returns their paths.

@@ -49,9 +49,9 @@ const FIXED_STEP: f64 = 5e-3;
 pub enum CaptionVariant {
     /// The caption as printed.
     Printed,
-    /// The same with a tolerance of 1e-8 instead of 1e-10.
+    /// The caption as printed, with a tolerance of 1e-8 instead of 1e-10.
     CoarseTolerance,
-    /// The same by Runge–Kutta steps of 0.005 and Hénon's step onto Σ.
+    /// The caption as printed, by Runge–Kutta steps of 0.005 and Hénon's step onto Σ.
     FixedStep,
     /// The numbers of a draw, counted from 1.
     Draw(usize),

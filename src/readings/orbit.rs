@@ -49,11 +49,11 @@ impl Bounded {
 /// Outcome of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It stays bounded to the end.
+    /// Stays bounded to the end.
     Bounded(Bounded),
     /// It diverges; the last time within the bound.
     Escaped(f64),
-    /// It cannot be integrated: transitions accumulate, the step collapses, or too many steps are
+    /// Cannot be integrated: transitions accumulate, the step collapses, or too many steps are
     /// needed.
     Failed,
 }

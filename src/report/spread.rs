@@ -226,7 +226,7 @@ impl Spread {
     }
 }
 
-/// What is estimated: an exponent of a figure, or the ratio of two, all from 0.
+/// Estimated quantity: an exponent of a figure, or the ratio of two, all from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimated {
     /// One exponent.

@@ -243,7 +243,7 @@ struct Local {
     point: Point,
 }
 
-/// What is estimated around each reference point.
+/// Estimates around a reference point.
 struct Around<'a> {
     cloud: &'a Cloud,
     finder: Finder<'a>,

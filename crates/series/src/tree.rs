@@ -73,9 +73,9 @@ impl Bounds<'_> {
 /// nodes of the last level.
 pub(crate) struct Tree {
     columns: usize,
-    /// Of each node the lower ends of its box, and then the upper ones.
+    /// Lower ends of each node's box, then the upper ones.
     boxes: Vec<f64>,
-    /// Of each node the smallest index.
+    /// Smallest index in each node.
     first: Vec<u32>,
     first_leaf: usize,
     /// Points of the leaves, from left to right: [`BLOCKS_PER_LEAF`] blocks of each, and of each

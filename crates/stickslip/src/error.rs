@@ -92,7 +92,7 @@ pub enum Error {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         bound: &'static str,
     },
     /// A setting of the solver is not allowed.
@@ -102,7 +102,7 @@ pub enum Error {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         bound: &'static str,
     },
     /// The end time does not lie after the start, or one of them is not a number.
@@ -135,9 +135,9 @@ pub enum Error {
             defined wherever the orbit comes", t = readable(*t)
     )]
     Undefined {
-        /// Of what, in words.
+        /// Undefined quantity, in words.
         what: &'static str,
-        /// Its number, counted from the contacts through the jumps to the inputs.
+        /// Number, counted from the contacts through the jumps to the inputs.
         number: usize,
         /// Time.
         t: f64,
@@ -249,7 +249,7 @@ pub enum Error {
         x: Point,
         /// The contacts at which they happen, counted from 0; the jumps follow them.
         contacts: Vec<usize>,
-        /// Where they accumulate, if they are a geometric series.
+        /// Accumulation point, if the transitions are a geometric series.
         accumulation: Option<Box<Accumulation>>,
     },
     /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
@@ -290,7 +290,7 @@ pub enum Error {
         t: f64,
         /// State.
         x: Point,
-        /// What is wrong.
+        /// The fault.
         fault: ContactFault,
     },
     /// The orbit does not cover the time asked for.
@@ -312,7 +312,7 @@ pub enum Error {
             {wanted:e}; start nearer to the solution"
     )]
     NotConverged {
-        /// What was sought.
+        /// Object of the search.
         what: &'static str,
         /// Iterations made.
         iterations: usize,
@@ -327,9 +327,9 @@ pub enum Error {
         t = readable(*t), span = readable(*span)
     )]
     NotFound {
-        /// What was sought.
+        /// Object of the search.
         what: &'static str,
-        /// Where the search began.
+        /// Time at which the search began.
         t: f64,
         /// How far it went.
         span: f64,

@@ -15,7 +15,7 @@ use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_s
 pub struct FigureSet {
     /// Which of the three.
     pub figure: SpectrumFigure,
-    /// Its parameters.
+    /// Parameters.
     pub caption: Caption,
     /// Length of the orbit drawn, up to the end of the run.
     pub shown: f64,
@@ -87,18 +87,18 @@ pub enum AsPrintedOutcome {
     Bounded(Box<BoundedMotion>),
 }
 
-/// What the figure shows.
+/// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// Which of the three figures.
     pub set: &'static FigureSet,
     /// The model by the corrected equations.
     pub model: BlockAndBracket,
-    /// Its motion.
+    /// Motion.
     pub exact: BoundedMotion,
     /// Exponents from the sampled states, by size.
     pub from_data: DataSpectrum,
-    /// The same with the nearest of the search's settings for the three figures together.
+    /// Exponents with the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
     /// The sampled states.
     pub states: Vec<[f64; 4]>,

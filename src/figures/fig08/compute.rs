@@ -18,7 +18,7 @@ use stickslip::{Error, Mode, Options, Side, State, solve};
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
 pub struct ListingMotion {
-    /// Its pattern.
+    /// Pattern.
     pub pattern: Pattern,
     /// The complete stick phases of the trajectory.
     pub stuck: Vec<Stick>,
@@ -34,7 +34,7 @@ pub struct ListingMotion {
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
 pub struct StatedMotion {
-    /// Its pattern.
+    /// Pattern.
     pub pattern: Pattern,
     /// Position of the upward crossing (m).
     pub left: f64,
@@ -69,7 +69,7 @@ pub struct Shares {
     pub unsettled: f64,
 }
 
-/// What the figure shows.
+/// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The model.

@@ -12,7 +12,7 @@ pub struct BeltTangency {
     pub position: f64,
     /// Side whose field is tangent.
     pub side: Side,
-    /// Its visibility. In an oscillating zone this changes with time.
+    /// Visibility. In an oscillating zone this changes with time.
     pub visibility: Visibility,
 }
 

@@ -9,7 +9,7 @@ pub struct ProofResult {
     pub what: String,
     /// A number, a count or a word.
     pub value: Value,
-    /// Its unit: `1` for a pure number, empty for a word.
+    /// Unit: `1` for a pure number, empty for a word.
     pub unit: String,
 }
 

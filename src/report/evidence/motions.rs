@@ -26,9 +26,9 @@ const RK4_STEP: f64 = 0.01;
 /// Classes of the motions of Figs. 10, 11 and 12; `None` where the orbit escapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProcedure {
-    /// With the corrected equations.
+    /// Classes with the corrected equations.
     pub corrected: Vec<Option<Class>>,
-    /// With the equations as printed.
+    /// Classes with the equations as printed.
     pub as_printed: Vec<Option<Class>>,
 }
 

@@ -64,9 +64,9 @@ pub struct Row {
 pub struct Verdict {
     /// Exponent.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error.
     pub stderr: f64,
-    /// Its status.
+    /// Status.
     pub status: Status,
 }
 

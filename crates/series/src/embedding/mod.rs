@@ -53,10 +53,10 @@ pub struct EmbeddingSettings {
     pub theiler: Option<usize>,
 }
 
-/// Where the delay comes from.
+/// Origin of the delay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DelayReason {
-    /// It was given.
+    /// Given by the user.
     Given,
     /// The autocorrelation is below 1/e after one point: the series is like that of a map, and the
     /// delay is 1.
@@ -88,10 +88,10 @@ impl DelayReason {
     }
 }
 
-/// Where the dimension comes from.
+/// Origin of the dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DimensionReason {
-    /// It was given.
+    /// Given by the user.
     Given,
     /// The first at which less than 1 % of the nearest neighbours are false.
     FalseNeighbours,
@@ -129,9 +129,9 @@ pub struct DimensionEvidence {
 pub struct EmbeddingChoice {
     /// Delay and dimension.
     pub embedding: Embedding,
-    /// Where the delay comes from.
+    /// Origin of the delay.
     pub delay_reason: DelayReason,
-    /// Where the dimension comes from.
+    /// Origin of the dimension.
     pub dimension_reason: DimensionReason,
     /// Mutual information in nats over the lag in points, averaged over the columns.
     pub information: Vec<(usize, f64)>,

@@ -29,7 +29,7 @@ pub(crate) struct Randomiser {
     backward: Arc<dyn ComplexToReal<f64>>,
 }
 
-/// What all surrogates of a column have in common.
+/// Data that all surrogates of a column share.
 struct Column {
     sorted: Vec<f64>,
     /// Rank of each value; equal values in the order of time.

@@ -43,7 +43,7 @@ pub struct System {
     pub file: Arc<SystemFile>,
     /// Values of the parameters, in the order of the file.
     pub values: Vec<f64>,
-    /// Its equations.
+    /// Equations.
     pub built: Built,
     dynamics: DynamicsRef<'static>,
     interrupt: Option<Arc<Interrupt>>,
@@ -189,7 +189,7 @@ impl System {
         })
     }
 
-    /// The same system with other values of some parameters, by name.
+    /// The system with other values of some parameters, by name.
     ///
     /// # Errors
     /// See [`SystemFile::with`].
@@ -199,7 +199,7 @@ impl System {
         Ok(System::new(file, values, interrupt)?)
     }
 
-    /// The same system with another section.
+    /// The system with another section.
     ///
     /// # Errors
     /// See [`SystemFile::with_section`].

@@ -53,7 +53,7 @@ pub struct BoundaryLine {
     pub path: Vec<LinePoint>,
 }
 
-/// Where a field is tangent to the boundary.
+/// Point at which a field is tangent to the boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TangentPoint {
     /// State.

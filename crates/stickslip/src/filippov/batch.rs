@@ -35,7 +35,7 @@ pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     /// The result of the orbit.
     type Outcome;
 
-    /// Its integration.
+    /// Integration.
     fn integration(&mut self) -> &mut Integration<'a, S, N, G>;
 
     /// Whether the solution over the next step is needed, not only its end.

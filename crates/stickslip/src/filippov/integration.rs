@@ -15,7 +15,7 @@ use crate::orbit::{Counters, Ending, Summary};
 use crate::system::{IntoState, Mode, State};
 use crate::taylor::recorded_calls::RecordedCalls;
 
-/// What happened in an integration; see [`Integration::step`].
+/// Progress of an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress<const N: usize, K = Mode> {
     /// A step was taken: [`Integration::last_step`].
@@ -57,7 +57,7 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) run: Run<N, G>,
     pub(super) stepper: Stepper<N, G>,
     pub(super) mode: S::Mode,
-    /// What decides the flow besides the mode.
+    /// Choice of the flow besides the mode.
     pub(super) branch: S::Branch,
     /// The last step's mode.
     pub(super) last_mode: S::Mode,
@@ -75,7 +75,7 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) is_stopping: bool,
 }
 
-/// What the next call of [`Integration::step`] begins with.
+/// First task of the next call of [`Integration::step`].
 #[derive(Clone, Copy)]
 pub(super) enum Due {
     /// The first step of a phase, or of its continuation after an event that does not end it.

@@ -70,7 +70,7 @@ pub enum AtRepelling {
     GoAbove,
 }
 
-/// What to do where infinitely many transitions accumulate in finite time (Zeno).
+/// Behaviour where infinitely many transitions accumulate in finite time (Zeno).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtPileUp {
     /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with
@@ -115,9 +115,9 @@ pub struct Options {
     /// Largest component (by size) that the state may have; beyond it the run ends with
     /// [`Error::Escaped`]. Default unbounded.
     pub escape: f64,
-    /// What to do where Σ repels; default stop.
+    /// Behaviour where Σ repels; default stop.
     pub at_repelling: AtRepelling,
-    /// What to do where transitions accumulate; default stop.
+    /// Behaviour where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
     /// crossings. The solution itself is not more accurate. Default 10.
@@ -135,7 +135,7 @@ pub struct Options {
     pub pile_up_span: f64,
     /// A run with more transitions than this ends with [`Error::TooMany`]; default 10⁷.
     pub most_events: u64,
-    /// The same with more steps; default 10⁹.
+    /// Largest number of steps; default 10⁹.
     pub most_steps: u64,
 }
 
@@ -177,19 +177,19 @@ impl Options {
         }
     }
 
-    /// With this integrator.
+    /// Sets the integrator.
     #[must_use]
     pub fn method(self, method: Method) -> Self {
         Options { method, ..self }
     }
 
-    /// With this event location.
+    /// Sets the event location.
     #[must_use]
     pub fn locator(self, locator: Locator) -> Self {
         Options { locator, ..self }
     }
 
-    /// With this bound on the components of the state.
+    /// Sets the bound on the components of the state.
     #[must_use]
     pub fn escape(self, bound: f64) -> Self {
         Options {
@@ -198,7 +198,7 @@ impl Options {
         }
     }
 
-    /// With steps no longer than this.
+    /// Sets the longest step.
     #[must_use]
     pub fn longest_step(self, step: f64) -> Self {
         Options {
@@ -207,7 +207,7 @@ impl Options {
         }
     }
 
-    /// With this choice where Σ repels.
+    /// Sets the choice where Σ repels.
     #[must_use]
     pub fn at_repelling(self, choice: AtRepelling) -> Self {
         Options {
@@ -216,7 +216,7 @@ impl Options {
         }
     }
 
-    /// With this choice where transitions accumulate.
+    /// Sets the choice where transitions accumulate.
     #[must_use]
     pub fn at_pile_up(self, choice: AtPileUp) -> Self {
         Options {
@@ -225,7 +225,7 @@ impl Options {
         }
     }
 
-    /// With a tenth of the tolerances, as far as double precision allows.
+    /// Options with a tenth of the tolerances, as far as double precision allows.
     pub(crate) fn finer(self) -> Self {
         let finer = |tolerance: f64| (0.1 * tolerance).max(MIN_TOLERANCE.min(tolerance));
         Options {

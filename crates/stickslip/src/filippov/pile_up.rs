@@ -88,7 +88,7 @@ struct Half {
 
 /// The geometric series that the last transitions form.
 pub struct GeometricSeries<const N: usize> {
-    /// Where it accumulates.
+    /// Accumulation point.
     pub at: Timed<N>,
     /// Uncertainty of that time.
     pub uncertainty: f64,

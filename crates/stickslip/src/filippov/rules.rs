@@ -57,7 +57,7 @@ pub(crate) struct LieDerivatives {
 }
 
 impl LieDerivatives {
-    /// Of the boundary function along `side`'s field at `(t, x)`.
+    /// Derivatives of the boundary function along `side`'s field at `(t, x)`.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,

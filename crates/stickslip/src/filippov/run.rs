@@ -37,9 +37,9 @@ pub struct Run<const N: usize, const G: usize> {
     /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field
     /// is usually as fast as the old one, and error control corrects the rest.
     pub h: f64,
-    /// Where the phase under way began.
+    /// Start of the present phase.
     pub from: Timed<N>,
-    /// Where the last step ended.
+    /// End of the last step.
     pub at: Timed<N>,
     /// For each guard that has not left its last zero, the number of derivatives that vanish there;
     /// 0 for the others.

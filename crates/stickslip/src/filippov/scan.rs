@@ -88,9 +88,9 @@ pub(crate) fn first_bracket(
 /// What interval bounds prove of a function over a part of the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Bounds {
-    /// It certainly has no zero.
+    /// Certainly has no zero.
     Clear,
-    /// It may have a zero: an interval that is clear by samples is refined.
+    /// May have a zero: an interval that is clear by samples is refined.
     Open,
     /// Nothing: samples decide.
     Unknown,

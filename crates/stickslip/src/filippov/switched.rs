@@ -32,7 +32,7 @@ pub trait Switched<const N: usize, const G: usize> {
     /// The mode: [`crate::Mode`] for one contact, an array of it for several.
     type Mode: Copy + Debug + PartialEq + Eq + Hash + Send + Sync;
 
-    /// What decides the flow besides the mode.
+    /// Choice of the flow besides the mode.
     #[doc(hidden)]
     type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
 
@@ -157,7 +157,7 @@ pub trait Switched<const N: usize, const G: usize> {
     fn restored(modes: Modes) -> Self::Mode;
 }
 
-/// What follows a start or the end of a mode.
+/// Continuation after a start or the end of a mode.
 pub enum Next<K, const G: usize> {
     /// A mode, and how many derivatives of each of its guards vanish.
     Mode(K, [usize; G]),

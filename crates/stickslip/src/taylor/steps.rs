@@ -102,7 +102,7 @@ enum Use {
     None,
     /// The newest coefficient, which may be computed on use.
     Newest,
-    /// Its coefficients, from any row.
+    /// Coefficients, from any row.
     Coefficients,
     /// The row itself.
     Row,

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::orbit::TwoFold;
 
-/// What an orbit converges to, or how else it ends.
+/// Long-term behaviour of an orbit, or how it ends.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttractorKind {
@@ -85,7 +85,7 @@ impl fmt::Display for AttractorKind {
     }
 }
 
-/// What an orbit converges to or how else it ends, with the evidence.
+/// Long-term behaviour of an orbit, or how it ends, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attractor {

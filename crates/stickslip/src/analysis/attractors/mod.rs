@@ -60,7 +60,7 @@ impl RecurrenceSettings {
         }
     }
 
-    /// With a forcing of this period.
+    /// Sets the period of the forcing.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         RecurrenceSettings {

@@ -139,7 +139,7 @@ pub(super) struct Equations {
     pub jacobian: Matrix,
     pub pieces: Vec<Piece>,
     pub monodromy: Matrix,
-    /// Where the orbit is cut.
+    /// Moment at which the orbit is cut.
     pub anchor: Moment,
     /// The vectors that move the orbit at its beginning and at its end.
     pub velocities: [Vector; 2],

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
 
-/// What ends a segment.
+/// Transition that ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Event {
@@ -72,7 +72,7 @@ pub(crate) struct Segment {
     pub mode: Modes,
     /// A moment in the segment, which decides whether contact is lost or kept.
     pub inside: Moment,
-    /// What ends it; `None` where the orbit has no transition.
+    /// Transition that ends the segment; `None` where the orbit has no transition.
     pub end: Option<Event>,
     pub duration: f64,
 }

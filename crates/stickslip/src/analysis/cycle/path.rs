@@ -122,7 +122,7 @@ pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
 
 /// A solution at which a function is zero.
 pub(crate) struct Zero<S = Cycle> {
-    /// Its place.
+    /// Place.
     pub s: f64,
     pub parameter: f64,
     pub solution: S,

@@ -73,7 +73,7 @@ pub struct SequenceChange {
     /// The contacts whose event function vanishes, counted from 0: two at a coincidence, otherwise
     /// one.
     pub contacts: Vec<usize>,
-    /// Where on the orbit, on the boundary to rounding.
+    /// State on the orbit, on the boundary to rounding.
     pub x: Vector,
     /// The event function on the orbit from which the change was located, relative to its size on
     /// this orbit.

@@ -30,7 +30,7 @@ pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
 enum FirstMotion {
     /// Number of derivatives of its guard that vanish.
     Order(usize),
-    /// It does not move by the mode; the contact has this outcome instead.
+    /// Does not move by the mode; the contact has this outcome instead.
     Instead(Mode),
 }
 

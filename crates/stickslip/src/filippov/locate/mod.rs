@@ -81,7 +81,7 @@ pub(crate) struct DenseGuard<'a, F, const N: usize> {
     pub origin: &'a Origin<'a, F, N>,
     pub dense: &'a Dense<N>,
     pub guard: usize,
-    /// Its zero at the start, if it has one there.
+    /// Zero at the start, if it has one there.
     pub start: Option<DeflatedGuard>,
     /// The bounds that may still be computed in the search.
     pub bounds_budget: BoundsBudget,

@@ -22,7 +22,7 @@ const HELD_ROUNDINGS: f64 = 1e3;
 /// millionth of a step is far above the rounding of what is compared.
 const CERTAIN_PART: f64 = 1.0 - 1e-6;
 
-/// Where two compared numbers are equal (fractions of the step).
+/// Time at which two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
 pub(super) struct Kink {
     /// The series holds up to here: slightly before the equality, or slightly after it if the
