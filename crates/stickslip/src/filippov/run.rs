@@ -27,7 +27,7 @@ const WAY_PART: f64 = 0.25;
 const STEEPENING: f64 = 1.2;
 
 /// The state of a run between steps of any method.
-pub struct Run<const N: usize, const G: usize> {
+pub struct StepState<const N: usize, const G: usize> {
     pub options: Options,
     /// Number of states of the system; the type may have more.
     pub states: usize,
@@ -44,7 +44,7 @@ pub struct Run<const N: usize, const G: usize> {
     /// For each guard that has not left its last zero, the number of derivatives that vanish there;
     /// 0 for the others.
     pub orders: [usize; G],
-    /// Start and end of the last step, and the solution over it. [`Run::at`] differs from the end
+    /// Start and end of the last step, and the solution over it. [`StepState::at`] differs from the end
     /// when a stick phase begins on Σ.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
@@ -68,7 +68,7 @@ pub enum Trial {
     Event,
 }
 
-impl<const N: usize, const G: usize> Run<N, G> {
+impl<const N: usize, const G: usize> StepState<N, G> {
     /// A run that has not begun, of a system with that number of states.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let run = Run {
+        let run = StepState {
             options: *options,
             states,
             counters: Counters::default(),

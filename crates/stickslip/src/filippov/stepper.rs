@@ -2,7 +2,7 @@
 
 use super::flow::Flow;
 use super::options::{Method, Options};
-use super::run::{Run, Trial};
+use super::run::{StepState, Trial};
 use super::runge_kutta::RungeKuttaStepper;
 use super::taylor::TaylorStepper;
 use crate::error::Error;
@@ -76,7 +76,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn work<F: Flow<N>>(
         &mut self,
         work: Work,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
         repeated: Option<&mut RecordedCalls<N, G>>,
     ) -> Result<Trial, Error> {

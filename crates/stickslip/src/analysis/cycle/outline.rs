@@ -9,7 +9,7 @@ use crate::system::Mode;
 /// Transition that ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Event {
+pub(crate) struct SegmentEnd {
     /// The guard that vanishes.
     pub guard: usize,
     /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
@@ -23,7 +23,7 @@ pub(crate) struct Event {
     pub at_kink: Option<(usize, f64)>,
 }
 
-impl Event {
+impl SegmentEnd {
     /// The event at a transition.
     fn of(system: &dyn Dynamics, at: &Transition) -> Self {
         let here = at.moment();
@@ -35,7 +35,7 @@ impl Event {
             .filter(|guard| guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind));
         let value = |number: usize| flow.guard(number, &here).abs();
         let least = of_contact.min_by(|a, b| value(a.number).total_cmp(&value(b.number)));
-        Event {
+        SegmentEnd {
             guard: least.map_or(at.contact, |guard| guard.number),
             contact: at.contact,
             is_of_contact: is_of_contact(at.kind),
@@ -73,7 +73,7 @@ pub(crate) struct Segment {
     /// A moment in the segment, which decides whether contact is lost or kept.
     pub inside: Moment,
     /// Transition that ends the segment; `None` where the orbit has no transition.
-    pub end: Option<Event>,
+    pub end: Option<SegmentEnd>,
     pub duration: f64,
 }
 
@@ -161,7 +161,7 @@ impl Outline {
             let inside = Moment { t, x: orbit.at(t)? };
             segments.push(Segment {
                 mode: pair[0].to,
-                end: Some(Event::of(system, pair[1])),
+                end: Some(SegmentEnd::of(system, pair[1])),
                 inside,
                 duration: pair[1].t - pair[0].t,
             });

@@ -26,10 +26,10 @@ pub(crate) trait Path {
     /// value; they are usually less than a step apart.
     fn bracket(
         &self,
-        (mut a, mut at_a): Value,
+        (mut a, mut at_a): PlaceAndValue,
         step: f64,
         function: &Function<'_, Self::Solution>,
-    ) -> Option<[Value; 2]> {
+    ) -> Option<[PlaceAndValue; 2]> {
         // First step, as a fraction of the given one. Chosen: short beside it, long beside
         // rounding.
         const FIRST_STEP: f64 = 1e-2;
@@ -51,7 +51,7 @@ pub(crate) trait Path {
     /// Where a function is zero, between two places at which it has different signs.
     fn root(
         &self,
-        [a, b]: [Value; 2],
+        [a, b]: [PlaceAndValue; 2],
         function: &Function<'_, Self::Solution>,
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
@@ -66,7 +66,7 @@ pub(crate) trait Path {
     /// The same, and the uncertainty of its parameter.
     fn zero(
         &self,
-        [a, b]: [Value; 2],
+        [a, b]: [PlaceAndValue; 2],
         function: &Function<'_, Self::Solution>,
     ) -> Option<Zero<Self::Solution>> {
         let (s, solution) = self.root([a, b], function)?;
@@ -131,4 +131,4 @@ pub(crate) struct Zero<S = Cycle> {
 }
 
 /// A place, and the value of a function there.
-type Value = (f64, f64);
+type PlaceAndValue = (f64, f64);

@@ -7,7 +7,7 @@ use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
 use crate::error::{ContactFault, Error};
 use crate::filippov::flow::{Flow, flow_path};
 use crate::filippov::rules::LieDerivatives;
-use crate::filippov::run::Run;
+use crate::filippov::run::StepState;
 use crate::filippov::switched::Next;
 use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
 use crate::ode::Timed;
@@ -44,7 +44,7 @@ struct InitialDerivatives<const M: usize> {
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not
     /// to be decided are away from zero: none of theirs vanish.
-    pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<Next<[Mode; M], M>, Error> {
+    pub(super) fn mode(mut self, run: &mut StepState<N, M>) -> Result<Next<[Mode; M], M>, Error> {
         let decided: Vec<usize> = (0..M)
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
@@ -98,7 +98,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
     /// friction, a released contact changes the loads of the others, which are decided again.
-    fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
+    fn complement(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
             for (mode, is_open) in tried.iter_mut().zip(self.open) {
@@ -143,7 +143,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Derivatives of the motion in the decided mode.
     fn initial_derivatives(
         &self,
-        run: &mut Run<N, M>,
+        run: &mut StepState<N, M>,
         joint: &Joint<'_, S, M>,
     ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;

@@ -24,7 +24,7 @@ const CERTAIN_PART: f64 = 1.0 - 1e-6;
 
 /// Time at which two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
-pub(super) struct Kink {
+pub(super) struct BranchTie {
     /// The series holds up to here: slightly before the equality, or slightly after it if the
     /// numbers are equal from the start.
     pub(super) before: f64,
@@ -37,9 +37,9 @@ pub(super) struct Kink {
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first change of a comparison in the step that the series depends on. Also returns
     /// whether two compared numbers are equal at the start and the result changes after it.
-    pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
+    pub(super) fn first_kink(&self) -> (Option<BranchTie>, bool) {
         let step_series = &self.step_series;
-        let (mut first, mut is_tie): (Option<Kink>, _) = (None, false);
+        let (mut first, mut is_tie): (Option<BranchTie>, _) = (None, false);
         for c in &self.choices {
             let c = &c[..=step_series.order];
             // Numbers that are equal throughout give the same result throughout.
@@ -75,7 +75,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     let before = f64::max(0.0, s - (after - s));
                     (before, before * CERTAIN_PART)
                 };
-                first = Some(Kink {
+                first = Some(BranchTie {
                     before,
                     certain,
                     after,
