@@ -309,7 +309,7 @@ impl<const N: usize> UseFlow<N> for Carried<N> {
         // step is kept.
         let halvings = match how.method {
             Method::Dop853 | Method::Taylor => MAX_HALVINGS,
-            Method::Dop853Fixed { .. } | Method::Rk4 { .. } => 0,
+            Method::Rk4 { .. } => 0,
         };
         let (_, carried) = match how.method {
             Method::Rk4 { .. } => {

@@ -8,11 +8,6 @@ use crate::ode::Tolerance;
 pub enum Method {
     /// Order 8 with adaptive steps ([`crate::ode::Dop853`]); the default.
     Dop853,
-    /// Order 8 with a fixed step (between events), for convergence studies.
-    Dop853Fixed {
-        /// Step length.
-        step: f64,
-    },
     /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The
     /// fastest method for errors of 1e-9 and less.
     ///
@@ -247,7 +242,7 @@ impl Options {
     pub(crate) fn fixed_step(&self) -> Option<f64> {
         match self.method {
             Method::Dop853 | Method::Taylor => None,
-            Method::Dop853Fixed { step } | Method::Rk4 { step } => Some(step),
+            Method::Rk4 { step } => Some(step),
         }
     }
 

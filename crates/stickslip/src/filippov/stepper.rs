@@ -32,9 +32,7 @@ pub(crate) enum Work {
 impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         match options.method {
-            Method::Dop853 | Method::Dop853Fixed { .. } => {
-                Stepper::Dop853(RungeKuttaStepper::default())
-            }
+            Method::Dop853 => Stepper::Dop853(RungeKuttaStepper::default()),
             Method::Rk4 { .. } => Stepper::Rk4(RungeKuttaStepper::default()),
             Method::Taylor => Stepper::Taylor(Box::new(TaylorStepper::new(options))),
         }
