@@ -51,7 +51,7 @@ impl Bounded {
 pub enum Outcome {
     /// Stays bounded to the end.
     Bounded(Bounded),
-    /// It diverges; the last time within the bound.
+    /// Diverges; the last time within the bound.
     Escaped(f64),
     /// Cannot be integrated: transitions accumulate, the step collapses, or too many steps are
     /// needed.

@@ -19,7 +19,7 @@ const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::
 pub enum OrbitVerdict {
     /// Stays bounded; the class of its motion.
     Motion(Class),
-    /// It diverges.
+    /// Diverges.
     Escaped,
     /// Cannot be integrated.
     Failed,

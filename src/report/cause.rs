@@ -292,7 +292,7 @@ fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
 }
 
-/// The same without the sign.
+/// A number without its sign.
 fn allowed(value: f64) -> String {
     format!("{:.3}", 1e3 * value)
 }

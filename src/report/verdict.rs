@@ -26,7 +26,7 @@ described! {
             "the model with the corrections that are listed, solved accurately, gives it to every \
             printed digit or in all its parts; as stated it does not",
         ],
-        /// The same, with an assumption that the paper does not make.
+        /// Reproduced, with an assumption that the paper does not make.
         UnderAssumption = [
             "reproduced under an added assumption",
             "assumed",

@@ -78,7 +78,7 @@ pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, 
     write_all_by(folder, folder, artifacts)
 }
 
-/// As [`write_all`], but with temporary files in another folder. A kill may leave unfinished files
+/// [`write_all`] with temporary files in another folder. A kill may leave unfinished files
 /// there.
 ///
 /// # Errors

@@ -58,7 +58,7 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &unwatched)
 }
 
-/// As [`data_spectrum`], with calls of `progress(done, total)` at intervals, in numbers of
+/// [`data_spectrum`] with calls of `progress(done, total)` at intervals, in numbers of
 /// reference points.
 ///
 /// # Errors

@@ -58,7 +58,7 @@ impl Polynomial {
         }
     }
 
-    /// With forms of all directions, or of as many of the widest as the limit of unknowns allows.
+    /// Adds forms of all directions, or of as many of the widest as the limit of unknowns allows.
     pub(crate) fn quadratic(mut self, columns: usize) -> Self {
         let unknowns = |forms| {
             Terms {

@@ -34,7 +34,7 @@ pub enum Neighbourhood {
         /// reference point counts as starved. Where exponents are extrapolated it does if the
         /// smaller of the two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
-        /// With more points than this in the ball, only this many nearest points are taken.
+        /// Largest number of points. If the ball holds more, only this many nearest ones are taken.
         max: usize,
     },
     /// This many nearest points, at any distance.

@@ -211,7 +211,7 @@ impl Tree {
         sort(nearest, wanted);
     }
 
-    /// What [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
+    /// Points that [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
     #[inline(always)]
     fn collect(
         &self,

@@ -57,7 +57,7 @@ chain! {
     8, 16;
 }
 
-/// What the blocks do.
+/// Motion of the blocks.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
     /// All slip, on a fast belt.

@@ -156,7 +156,7 @@ pub fn class(set: &FigureSet, reading: &Reading, solver: Options) -> Result<Clas
     Ok(measure(&model, set, solver)?.0.class)
 }
 
-/// The same by the procedure of Sect. 3: classical Runge–Kutta steps of fixed length, and Hénon's
+/// Class by the procedure of Sect. 3: classical Runge–Kutta steps of fixed length, and Hénon's
 /// step onto Σ. `None` if the orbit escapes.
 ///
 /// # Errors

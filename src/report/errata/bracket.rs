@@ -73,7 +73,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
     })
 }
 
-/// The same, decided by the section.
+/// Proof decided by the section.
 pub(in crate::report) fn by_section(
     caption: &Caption,
     reading: &Reading,

@@ -14,7 +14,7 @@ pub struct ProofResult {
 }
 
 impl ProofResult {
-    /// With its own description.
+    /// A value with its own description.
     pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> ProofResult {
         ProofResult {
             what: what.into(),

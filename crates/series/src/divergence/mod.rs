@@ -218,7 +218,7 @@ struct Growth<'a> {
     saturation: f64,
     /// Mean logarithms of the distance, over time.
     means: Vec<f64>,
-    /// The same for each block of reference points.
+    /// Curves of each block of reference points.
     blocks: Vec<[f64; BLOCKS]>,
 }
 

@@ -31,7 +31,7 @@ const CURVE_DECORRELATIONS: usize = 6;
 const REPORTED_DELAYS: usize = 3;
 /// A smaller fraction of false neighbours counts as none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
-/// With a larger fraction of false neighbours, columns are missing. Whole states have up to 3 %
+/// Fraction of false neighbours above which columns are missing. Whole states have up to 3 %
 /// where they stick, and x and z of the Lorenz system at 3000 points have 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
 /// Least number of dimensions considered above a given one. Cao's E1 needs the next one, and its

@@ -208,7 +208,7 @@ impl System {
         System::new(file, self.values.clone(), self.interrupt.clone())
     }
 
-    /// The same system, whose orbits end when `interrupt` is raised. This also holds for systems
+    /// The system with orbits that end when `interrupt` is raised. This also holds for systems
     /// derived from it.
     ///
     /// # Errors

@@ -263,7 +263,7 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
     at_rest / apart([&fields[0].1, &fields[1].1])
 }
 
-/// What follows a point of Σ. `tangent` names the side whose normal component, by the holding
+/// Continuation from a point of Σ. `tangent` names the side whose normal component, by the holding
 /// fields, is known to vanish: a stick phase has just ended there.
 fn next<S: Filippov<N>, const N: usize>(
     system: &S,

@@ -50,7 +50,7 @@ pub enum Locator {
     RootSearch,
 }
 
-/// What to do where the future is not unique. This is where Σ repels (both fields lead away), and
+/// Behaviour where the future is not unique. This is where Σ repels (both fields lead away), and
 /// at a two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is
 /// chosen if its field is visible there; otherwise the run continues by the rules. With several
 /// contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.

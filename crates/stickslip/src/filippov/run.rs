@@ -60,7 +60,7 @@ pub struct StepState<const N: usize, const G: usize> {
 /// Result of an attempt to step.
 #[derive(Clone, Copy)]
 pub enum Trial {
-    /// It was only prepared, or rejected: another attempt follows.
+    /// Only prepared, or rejected: another attempt follows.
     NoStep,
     /// A step was taken, the run's last one now.
     Step,

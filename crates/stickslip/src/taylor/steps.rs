@@ -95,7 +95,7 @@ impl Source {
 #[derive(Debug)]
 pub(super) struct Steps(Vec<RecordedStep>);
 
-/// What later steps need of a row.
+/// Use of a row by later steps.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Use {
     #[default]
@@ -251,7 +251,7 @@ impl<const L: usize> AtOrder<'_, L> {
         Some(self.row(of.higher)?.at(self.order))
     }
 
-    /// The same times its factor.
+    /// Coefficient times its factor.
     #[inline(always)]
     fn scaled(&self, of: Source) -> Option<Lanes<L>> {
         Some(lanes_of(self.newest(of)?, |a| of.factor * a))
@@ -269,7 +269,7 @@ impl<const L: usize> AtOrder<'_, L> {
         lanes_of(slope, |slope| slope * inverse(self.order))
     }
 
-    /// As [`super::sweep::Sweep::choose`].
+    /// Chooses as [`super::sweep::Sweep::choose`] does.
     #[inline(always)]
     fn choose(&mut self, ahead: Lanes<L>) {
         if let Some(row) = self.rows.all.iter().nth_back(self.choices) {

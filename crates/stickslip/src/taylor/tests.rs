@@ -259,7 +259,7 @@ impl<F: Functions<2, 3>, const L: usize> NullaryFnOnce for Widest<'_, F, L> {
 
 const LANES: usize = 4;
 
-/// Where the series begin in each lane: time, length, state.
+/// Starts of the series in each lane: time, length, state.
 fn begin() -> (Lanes<LANES>, Lanes<LANES>, [Lanes<LANES>; 2]) {
     let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
     let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];

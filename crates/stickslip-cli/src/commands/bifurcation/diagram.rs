@@ -37,7 +37,7 @@ pub(super) struct Replacement {
     pub(super) class: String,
 }
 
-/// What the figure shows of one pass through the range.
+/// Content of the figure for one pass through the range.
 #[derive(Default)]
 pub(super) struct OneDirection {
     /// First state at the section points.

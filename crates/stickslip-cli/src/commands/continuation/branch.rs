@@ -34,7 +34,7 @@ pub(super) struct SideBranch {
 /// A second parameter, for curves of special orbits.
 pub(super) struct SecondParameter {
     pub(super) range: ParameterRange,
-    /// Its value on the branch.
+    /// Value on the branch.
     value: f64,
     /// The system with both parameters as states.
     both: DynamicsRef<'static>,

@@ -258,7 +258,7 @@ pub(super) fn kind_of_equilibrium(
     kind_by_jacobian(system, mode, at, &jacobian_of(system, mode, at))
 }
 
-/// The same by the Jacobian there, restricted to motion along the boundaries of the contacts that
+/// Kind by the Jacobian there, restricted to motion along the boundaries of the contacts that
 /// stick. Off them a body held by friction has a double zero eigenvalue, which rounding splits by
 /// its square root.
 fn kind_by_jacobian(

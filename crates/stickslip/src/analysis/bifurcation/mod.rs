@@ -89,7 +89,7 @@ impl AttractorChange {
     }
 }
 
-/// What happens to an attractor between two values of a parameter.
+/// Change of an attractor between two values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WhatChanges {

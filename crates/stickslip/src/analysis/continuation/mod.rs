@@ -57,7 +57,7 @@ impl ContinuationSettings {
         }
     }
 
-    /// With this period, a multiple of the forcing's.
+    /// Sets the period, a multiple of the forcing's.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         ContinuationSettings {

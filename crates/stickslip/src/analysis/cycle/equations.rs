@@ -9,7 +9,7 @@ use crate::filippov::Options;
 /// the states.
 type Equation = (f64, Vector, f64);
 
-/// What has been assembled from the segments before the present moment.
+/// Parts assembled from the segments before the present moment.
 struct Assembly<'a> {
     shooting: &'a Shooting<'a>,
     outline: &'a Outline,

@@ -53,7 +53,7 @@ fn after(system: &dyn Dynamics, at: &Transition) -> Vector {
     }
 }
 
-/// Where a transition recurs about a period later, by their numbers.
+/// Index of the transition that repeats transition `first` about a period later.
 fn recurrence(transitions: &[&Transition], first: usize, period: f64) -> Option<usize> {
     let begin = transitions[first];
     let is_alike = |at: &Transition| {
@@ -97,7 +97,7 @@ pub(crate) struct Cut {
     /// The segment that is also cut in its middle. Near a saddle, neighbouring orbits separate most
     /// in the longest segment.
     pub number: usize,
-    /// Where each segment after the first begins, and after these the middle of that one.
+    /// Starts of the segments after the first, then the middle of the first.
     pub states: Vec<Vector>,
 }
 
@@ -202,7 +202,7 @@ impl Outline {
         Vector::from_vec(all)
     }
 
-    /// The same sequence with other unknowns.
+    /// The sequence with other unknowns.
     pub fn with(&self, unknowns: &Vector) -> Self {
         let n = self.begin.x.len();
         let mut other = self.clone();

@@ -48,7 +48,7 @@ pub(crate) trait Path {
         None
     }
 
-    /// Where a function is zero, between two places at which it has different signs.
+    /// Zero of a function between two places at which it has different signs.
     fn root(
         &self,
         [a, b]: [PlaceAndValue; 2],
@@ -63,7 +63,7 @@ pub(crate) trait Path {
         is_zero.then_some((s, solution))
     }
 
-    /// The same, and the uncertainty of its parameter.
+    /// Zero of a function, and the uncertainty of its parameter.
     fn zero(
         &self,
         [a, b]: [PlaceAndValue; 2],

@@ -231,7 +231,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         })
     }
 
-    /// As [`Decision::friction`], with these contacts at rest.
+    /// [`Decision::friction`] with these contacts at rest.
     fn friction_with(&self, i: usize, rests: &[bool; M]) -> f64 {
         let joint = self.corners_of(&[i]).with_static_friction_at(rests);
         let affine = joint.affine(self.at.t, components(&self.at.x));

@@ -311,7 +311,7 @@ mod tests {
         row
     }
 
-    /// The same for a state with that series, or for a constant state and a guard with that series.
+    /// Ratio for a state with that series, or for a constant state and a guard with that series.
     fn ratio_in_powers<const L: usize>(m: [usize; L], p: usize, of_guard: bool) -> [f64; L] {
         let at_rest = CoefficientRow::new();
         at_rest.set(0, [1.0; L]);
