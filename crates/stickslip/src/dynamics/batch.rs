@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::ops::ControlFlow;
 
 use super::jumps::Jumps;
-use super::run::StepState;
+use super::run::Run;
 use super::{Moment, OrbitProgress, OrbitUnderWay};
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Integration, Member, Switched};
