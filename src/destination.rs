@@ -37,8 +37,8 @@ const LONGEST_PATTERN: usize = 8;
 /// The escape bound in `options` decides what counts as escaping.
 ///
 /// # Errors
-/// Those of [`stickslip::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels, and
-/// at a two-fold.
+/// Those of [`stickslip::run`] except [`Error::Escaped`]; [`Error::NoUniqueFuture`] where Σ repels,
+/// and at a two-fold.
 pub fn destination<Kind>(
     system: &impl AsDynamics<Kind>,
     (t0, x0): (f64, impl Components),

@@ -1,7 +1,7 @@
 //! Searches of one variable.
 
-/// The first number from `from` to `to` for which `is_after` holds, to the last bit; `to` may be the
-/// smaller one. Once `is_after` holds, it must hold up to `to`.
+/// The first number from `from` to `to` for which `is_after` holds, to the last bit. Either may be
+/// the smaller one. Once `is_after` holds, it must hold up to `to`.
 ///
 /// ```
 /// let root = numerics::bisect(1.0, 2.0, |x| x * x >= 2.0);

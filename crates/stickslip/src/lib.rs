@@ -103,7 +103,7 @@
 //! |---|---|
 //! | write a system | [`Filippov`], [`Contacts`] in [`Several`], [`Scalar`], [`Side`], [`Mode`] |
 //! | let it jump | [`dynamics::WithJumps`], [`dynamics::Jumps`], [`dynamics::Reset`] |
-//! | run it and keep the orbit | [`solve`]: [`Orbit`], [`Phase`], [`Transition`], or a [`Failure`] |
+//! | run it and keep the orbit | [`solve`]: [`Orbit`], [`Phase`], [`Transition`], [`Failure`] |
 //! | run it step by step | [`Integration`], [`Progress`]; [`run`] with an [`Observer`] |
 //! | run many | [`ensemble`], [`Start`] |
 //! | choose how | [`Options`]: [`Method`], [`Locator`], [`AtRepelling`], [`AtPileUp`] |
@@ -112,7 +112,7 @@
 //! | look at a point of Σ | [`fate`], [`Visibility`], [`normal_component`], [`boundary_gradient`] |
 //! | map a section to itself | [`analysis::PoincareMap`] |
 //! | find periodic orbits | [`analysis::find_periodic_orbit`], [`analysis::periodic_orbit`] |
-//! | judge their stability | [`analysis::monodromy`], [`analysis::multipliers`], [`analysis::Stability`] |
+//! | judge their stability | [`analysis::monodromy`], [`analysis::multipliers`] |
 //! | follow them | [`analysis::continue_periodic_orbit`], [`analysis::switch_branches`] |
 //! | follow equilibria | [`analysis::continue_equilibrium`] |
 //! | follow a change in two parameters | [`analysis::continue_change`] |

@@ -44,8 +44,8 @@ pub struct StepState<const N: usize, const G: usize> {
     /// For each guard that has not left its last zero, the number of derivatives that vanish there;
     /// 0 for the others.
     pub orders: [usize; G],
-    /// Start and end of the last step, and the solution over it. [`StepState::at`] differs from the end
-    /// when a stick phase begins on Σ.
+    /// Start and end of the last step, and the solution over it. [`StepState::at`] differs from the
+    /// end when a stick phase begins on Σ.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
     /// Whether the previous step's dense output was used. Then the next step makes it at once, and

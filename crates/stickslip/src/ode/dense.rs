@@ -242,7 +242,10 @@ mod tests {
         ) {
             let terms = terms.map(|c| State::from([c]));
             let [a, b, c, d, ..] = terms;
-            for polynomial in [DensePolynomial::RungeKutta(terms), DensePolynomial::Hermite([a, b, c, d])] {
+            for polynomial in [
+                DensePolynomial::RungeKutta(terms),
+                DensePolynomial::Hermite([a, b, c, d]),
+            ] {
                 let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial };
                 let range = dense.enclosure()[0];
                 let x = dense.at(s)[0];
