@@ -1,7 +1,9 @@
 //! The replication of one paper with the library [`stickslip`]: its figures, claims and readings.
 
 pub mod captions;
+mod destination;
 pub mod figures;
+pub mod motion;
 mod numbers;
 mod orbit_records;
 pub mod paper;

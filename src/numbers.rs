@@ -1,26 +1,11 @@
 //! Numerical helpers shared by all parts of the replication.
 
+use numerics::bisect;
 use stickslip::Error;
 
 /// Largest difference that counts as rounding: relative, or absolute for values of order one in SI
 /// units. It is thousands of rounding errors, and far below any printed digit.
 pub(crate) const ROUNDING: f64 = 1e-12;
-
-/// The least number in `(low, high]` for which `is_after` holds, to the last bit. `is_after` must
-/// be monotone: once true, it stays true.
-pub(crate) fn bisect(mut low: f64, mut high: f64, is_after: impl Fn(f64) -> bool) -> f64 {
-    loop {
-        let middle = 0.5 * (low + high);
-        if !(low < middle && middle < high) {
-            return high;
-        }
-        if is_after(middle) {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-}
 
 /// Points where a property begins or ends between neighbours of an ascending grid, to the last bit.
 pub(crate) fn change_points(
@@ -52,7 +37,7 @@ pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 /// Median; for an even count, the mean of the middle two.
 #[cfg(feature = "report")]
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
-    let middle = stickslip_series::statistics::middle_two(values.iter().copied());
+    let middle = numerics::middle_two(values.iter().copied());
     middle.map(|[lower, upper]| 0.5 * (lower + upper))
 }
 
@@ -64,15 +49,6 @@ pub(crate) fn not_found(what: &'static str, t: f64, span: f64) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bisection_ends_at_neighbouring_numbers() {
-        for step in [1.0 / 3.0, 0.7, -0.4, -1e-300, 0.0] {
-            let found = bisect(-1.0, 1.0, |x| x >= step);
-            assert_eq!(found.to_bits() << 1, step.to_bits() << 1, "{step}");
-        }
-        assert_eq!(bisect(0.0, 1.0, |_| false), 1.0);
-    }
 
     #[cfg(feature = "report")]
     #[test]

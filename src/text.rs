@@ -18,7 +18,7 @@ macro_rules! described {
             /// All variants, in order.
             pub const ALL: [$name; [$(stringify!($variant)),*].len()] = [$($name::$variant),*];
 
-            /// Its row of the table.
+            /// Row of the table.
             $vis const fn $method(self) -> $row {
                 match self {
                     $($name::$variant => $described,)*

@@ -1,11 +1,11 @@
 //! The captions of Figs. 10–12 within their rounding: the committed table is what is computed.
 
 use crate::common::NumericComparison;
+use numerics::SplitMix;
 use replication::captions::{
     CaptionTable, CaptionVariant, DRAWS, HALF_UNIT, caption_spectrum, committed,
 };
 use replication::figures::block_and_bracket::SETS;
-use stickslip::statistics::SplitMix;
 
 /// As for the other golden files.
 const TOLERANCE: f64 = 1e-10;

@@ -6,7 +6,7 @@ use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
     BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Reading, Rig,
 };
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 use stickslip::system::Unchecked;
 use stickslip::{Error, Fate, Filippov, Side, State, fate};
 

@@ -27,7 +27,7 @@ const LEGEND_HEIGHT: f64 = 60.0;
 /// Errors below this count as equal: the rounding of the times themselves.
 const LEAST_ERROR: f64 = 1e-16;
 
-/// What the figure shows of a row of the table.
+/// Content of the figure for a row of the table.
 struct Row {
     solver: String,
     problem: String,

@@ -10,6 +10,7 @@ use crate::figures::block_and_bracket::SETS;
 use crate::terminal::{self, ProgramError};
 use crate::text::joined;
 use output::Artifact;
+use output::terminal::DelayedProgressBar;
 
 const ABOUT: &str = "Moves each number of the captions of Figs. 10-12 within the rounding of its \
     last decimal and computes exponents and class again, 200 times a figure.";
@@ -31,10 +32,10 @@ pub struct Arguments {
 /// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let bar = terminal::bar(rows(), " spectra, {elapsed}");
-    let outcome = run(&arguments, &|| bar.inc(1));
-    bar.finish_and_clear();
-    terminal::finish("summary", outcome)
+    let bar = DelayedProgressBar::new("{bar:40} {pos}/{len} spectra, {elapsed}");
+    let outcome = run(&arguments, &|| bar.one_more(rows()));
+    bar.clear();
+    terminal::finish(outcome)
 }
 
 fn run(arguments: &Arguments, tick: &(dyn Fn() + Sync)) -> Result<String, ProgramError> {

@@ -15,12 +15,12 @@ mod table;
 use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE};
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
+use numerics::SplitMix;
 use std::ops::ControlFlow;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-use stickslip::statistics::SplitMix;
 use stickslip::{Error, Locator, Method, Observer, Options, State, StepRecord};
 pub use table::{CaptionTable, ExponentBudget, committed};
 
@@ -49,9 +49,9 @@ const FIXED_STEP: f64 = 5e-3;
 pub enum CaptionVariant {
     /// The caption as printed.
     Printed,
-    /// The same with a tolerance of 1e-8 instead of 1e-10.
+    /// The caption as printed, with a tolerance of 1e-8 instead of 1e-10.
     CoarseTolerance,
-    /// The same by Runge–Kutta steps of 0.005 and Hénon's step onto Σ.
+    /// The caption as printed, by Runge–Kutta steps of 0.005 and Hénon's step onto Σ.
     FixedStep,
     /// The numbers of a draw, counted from 1.
     Draw(usize),
@@ -181,6 +181,6 @@ pub fn compute(tick: &(dyn Fn() + Sync)) -> Result<CaptionTable, Error> {
 }
 
 /// Number of rows.
-pub fn rows() -> usize {
-    SETS.len() * CaptionVariant::all().count()
+pub fn rows() -> u64 {
+    (SETS.len() * CaptionVariant::all().count()) as u64
 }

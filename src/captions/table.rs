@@ -2,14 +2,14 @@
 
 use super::{CaptionSpectrum, CaptionVariant};
 use crate::figures::block_and_bracket::SETS;
+use crate::motion::Class;
 use crate::numbers::extent;
 use crate::text::csv;
 use std::sync::OnceLock;
-use stickslip::analysis::motion::Class;
 
 /// The committed table.
 const TABLE: &str = include_str!("../../golden/captions.csv");
-/// Its columns.
+/// Columns.
 const HEADER: [&str; 20] = [
     "figure",
     "run",
@@ -33,7 +33,7 @@ const HEADER: [&str; 20] = [
     "std_error4",
 ];
 
-/// What the rounding of the caption and the solver do to an exponent.
+/// Effects of the caption's rounding and of the solver on an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExponentBudget {
     /// Least value over the draws (1/t).
@@ -97,7 +97,7 @@ impl CaptionTable {
         classes
     }
 
-    /// As CSV, numbers in full precision.
+    /// The table as CSV, numbers in full precision.
     pub fn csv(&self) -> String {
         let row = |one: &CaptionSpectrum| {
             let mut row = vec![

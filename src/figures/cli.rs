@@ -9,6 +9,7 @@ use super::{FigureSpec, curves, rows};
 use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError};
 use output::Artifact;
+use output::terminal::with_spinner;
 
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
@@ -38,10 +39,8 @@ pub fn main<D>(figure: &FigureSpec<D>) -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => error.exit(),
     };
-    let progress = terminal::spinner(format!("computing {}", figure.name));
-    let outcome = run(figure, &arguments);
-    progress.finish_and_clear();
-    terminal::finish("table", outcome)
+    let what = format!("computing {}", figure.name);
+    terminal::finish(with_spinner(&what, |_| run(figure, &arguments)))
 }
 
 /// The figure's command: name, help, examples.

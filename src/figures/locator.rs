@@ -2,7 +2,6 @@
 //!
 //! This is not a figure of the paper. It measures what the paper's title promises.
 
-use crate::numbers::bisect;
 use std::f64::consts::PI;
 
 use super::FigureSpec;
@@ -10,13 +9,13 @@ use super::rows::Row;
 use crate::paper::models::BeltOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::terminal::ProgramError;
+use numerics::{PowerLaw, bisect};
 use plot::{
     Axis, BLACK, BLUE, Color, Curve, Dash, Figure, GREEN, Legend, Markers, ORANGE, Panel, Shape,
     VERMILLION,
 };
 use stickslip::math;
 use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
-use stickslip::statistics::PowerLaw;
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.

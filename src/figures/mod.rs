@@ -14,7 +14,7 @@ use crate::numbers::not_found;
 use crate::terminal::ProgramError;
 use plot::{Cell, Dash, Figure, GREY, Guide, Panel};
 use rows::Row;
-use stickslip::filippov::normal_component;
+use stickslip::normal_component;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
 
 /// A figure of the paper. Computing, reporting and drawing are separate.

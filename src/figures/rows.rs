@@ -108,7 +108,7 @@ pub struct Comparison {
 /// One line of a figure's table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// Its subject.
+    /// Subject.
     pub quantity: Quantity,
     /// Interpretation of the paper.
     pub reading: Reading,

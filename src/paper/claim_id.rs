@@ -137,7 +137,7 @@ impl SpectrumFigure {
         self.described().0
     }
 
-    /// Its exponents, λ1 first.
+    /// Exponents, λ1 first.
     pub fn exponents(self) -> [ClaimId; 4] {
         std::array::from_fn(|k| self.row(k))
     }

@@ -20,7 +20,7 @@ pub const LAST_DIGIT: f64 = 1e-4;
 pub const HALF_DIGIT: f64 = 0.5 * LAST_DIGIT;
 
 described! {
-    /// What a row of the table claims.
+    /// Kind of claim in a row of the table.
     ClaimKind: &'static str as pub name {
         /// One number.
         Value = "value",
@@ -39,7 +39,7 @@ described! {
 described! {
     /// How a claim is counted.
     Group: (&'static str, &'static str) as described {
-        /// It follows by algebra from the printed polynomials of Sects. 2 and 4.
+        /// Follows by algebra from the printed polynomials of Sects. 2 and 4.
         Algebra = ("algebra", "algebra of the printed polynomials"),
         /// A number of the simulation in Fig. 8.
         Number = ("number", "simulated numbers of Fig. 8"),
@@ -53,12 +53,12 @@ described! {
 }
 
 impl Group {
-    /// Its name in the table.
+    /// Name in the table.
     pub fn name(self) -> &'static str {
         self.described().0
     }
 
-    /// What it holds.
+    /// Meaning in words.
     #[cfg(feature = "report")]
     pub fn meaning(self) -> &'static str {
         self.described().1
@@ -99,17 +99,17 @@ impl Digits {
 /// One published quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claim {
-    /// Its identifier.
+    /// Identifier.
     pub id: ClaimId,
-    /// Where in the paper.
+    /// Location in the paper.
     pub location: String,
-    /// What sort of claim it is.
+    /// Kind of the claim.
     pub kind: ClaimKind,
-    /// What is published, as printed. Members of a set are separated by `;`.
+    /// Published value, as printed. Members of a set are separated by `;`.
     pub published: String,
     /// How many decimals are printed.
     pub digits: Digits,
-    /// Its unit, empty where there is none.
+    /// Unit, empty where there is none.
     pub unit: String,
     /// The statement in words.
     pub what: String,

@@ -19,13 +19,13 @@ described! {
             "the model with the corrections that are listed, solved accurately",
             Role::Corrected,
         ),
-        /// The same: Lyapunov exponents from the equations.
+        /// Corrected equations: Lyapunov exponents from the equations.
         CorrectedEquations = (
             "corrected/equations",
             "the same; exponents from the equations",
             Role::Corrected,
         ),
-        /// The same: Lyapunov exponents from the sampled motion, Eqs. (25) and (26).
+        /// Corrected equations: Lyapunov exponents from the sampled motion, Eqs. (25) and (26).
         CorrectedData = (
             "corrected/data",
             "the same; exponents from the sampled motion by Eqs. (25), (26)",
@@ -76,17 +76,17 @@ pub enum Role {
 }
 
 impl Reading {
-    /// Its name in tables.
+    /// Name in tables.
     pub const fn name(self) -> &'static str {
         self.described().0
     }
 
-    /// What it means.
+    /// Meaning in words.
     pub const fn meaning(self) -> &'static str {
         self.described().1
     }
 
-    /// Its role.
+    /// Role.
     pub const fn role(self) -> Role {
         self.described().2
     }

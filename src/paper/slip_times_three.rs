@@ -15,7 +15,7 @@ use crate::paper::listing::{END, Setup};
 use crate::paper::models::ForcedOscillator;
 use crate::paper::pattern::Pattern;
 use crate::paper::{TOLERANCE, bounded};
-use stickslip::filippov::first_zero;
+use stickslip::first_zero;
 use stickslip::{
     Error, Filippov, Mode, Observer, Options, Phase, Scalar, Side, State, Transition,
     TransitionKind, run,

@@ -15,7 +15,7 @@ use super::table::ConfigurationRow;
 
 /// The committed table of all readings.
 const TABLE: &str = include_str!("../../golden/readings.csv");
-/// Its path in the project.
+/// Path in the project.
 const FILE: &str = "golden/readings.csv";
 
 /// The results of the committed search.
@@ -91,7 +91,7 @@ fn complete_rows(table: &str, plan: &Plan) -> Result<Vec<ConfigurationRow>, Stri
 pub struct Match {
     /// The row.
     pub row: ConfigurationRow,
-    /// Its motions.
+    /// Motions.
     pub motions: [String; 3],
 }
 

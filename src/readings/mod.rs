@@ -19,13 +19,13 @@ mod table;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::Parser;
 use rayon::prelude::*;
 
 use crate::terminal::{self, ProgramError};
 use output::Artifact;
+use output::terminal::DelayedProgressBar;
 
 pub use committed::{CommittedSearch, Match, committed_rows};
 use plan::Plan;
@@ -74,7 +74,7 @@ struct Arguments {
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
     let found = Plan::full().map_err(ProgramError::from);
-    terminal::finish("summary", found.and_then(|plan| run(&plan, &arguments.out)))
+    terminal::finish(found.and_then(|plan| run(&plan, &arguments.out)))
 }
 
 /// Searches, writes the table and the summary, and returns the summary.
@@ -84,8 +84,7 @@ pub fn main() -> ExitCode {
 fn run(plan: &Plan, folder: &Path) -> Result<String, ProgramError> {
     // An unwritable folder is reported before the search.
     terminal::write(folder, &[], OPTION)?;
-    let bar = terminal::bar(plan.groups.len(), " readings x integrators, {elapsed}");
-    bar.enable_steady_tick(Duration::from_secs(1));
+    let bar = DelayedProgressBar::new("{bar:40} {pos}/{len} readings x integrators, {elapsed}");
     // One group at a time, so that short and long ones spread evenly.
     let rows = plan
         .groups
@@ -93,11 +92,11 @@ fn run(plan: &Plan, folder: &Path) -> Result<String, ProgramError> {
         .with_max_len(1)
         .flat_map_iter(|group| {
             let rows = search::rows(plan, group, &plan.settings_of(group));
-            bar.inc(1);
+            bar.one_more(plan.groups.len() as u64);
             rows
         });
     let rows: Vec<ConfigurationRow> = rows.collect();
-    bar.finish_and_clear();
+    bar.clear();
     let lines: String = rows.iter().map(ConfigurationRow::line).collect();
     let table = plan.heading() + &ConfigurationRow::header() + &lines;
     let text = summary::summary(plan, &rows);

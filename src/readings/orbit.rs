@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 use super::plan::{CURVE_DIMENSION, Group, Integrator, Plan, SECTION_TOLERANCE, STEP_LIMIT};
 use super::table::OrbitVerdict;
 use crate::figures::block_and_bracket::{DIVERGED, DT, TOLERANCE};
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::numbers::extent;
 use crate::orbit_records::{Samples, TurningPoints};
 use crate::paper::in_place::{Breakdown, InPlace};
 use crate::paper::models::{BlockAndBracket, Caption};
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
+use numerics::PowerLaw;
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::math;
-use stickslip::statistics::PowerLaw;
 use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 
 /// An orbit that stays bounded to the end.
@@ -49,11 +49,11 @@ impl Bounded {
 /// Outcome of an orbit.
 #[derive(Clone, Debug)]
 pub enum Outcome {
-    /// It stays bounded to the end.
+    /// Stays bounded to the end.
     Bounded(Bounded),
-    /// It diverges; the last time within the bound.
+    /// Diverges; the last time within the bound.
     Escaped(f64),
-    /// It cannot be integrated: transitions accumulate, the step collapses, or too many steps are
+    /// Cannot be integrated: transitions accumulate, the step collapses, or too many steps are
     /// needed.
     Failed,
 }

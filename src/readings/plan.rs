@@ -5,11 +5,11 @@ use std::fmt::Display;
 use super::settings::{Setting, search_settings, settings_name, spread_settings, with_spread_unit};
 use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
+use crate::motion::Criterion;
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
 use crate::paper::published::{Claim, Claims};
 use crate::text::joined;
-use stickslip::analysis::motion::Criterion;
 
 /// Integrator of the equations.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,7 +17,7 @@ pub struct Scaled {
 }
 
 impl Scaled {
-    /// Of states at equal intervals; `None` if there is no series of them.
+    /// Scaled states at equal intervals; `None` if there is no series of them.
     pub fn of(rows: &[[f64; 4]]) -> Option<Scaled> {
         let ranges = [0, 1, 2, 3].map(|c| {
             let (low, high) = extent(rows.iter().map(|x| x[c]));
@@ -108,7 +108,7 @@ fn spectrum(scaled: &Scaled, setting: &Setting) -> FourExponents {
     (values, statuses)
 }
 
-/// The same with their errors; none if the estimator gives none.
+/// Exponents with their errors; none if the estimator gives none.
 pub fn estimate(scaled: &Scaled, (unit, settings): &Setting) -> Vec<DataExponent> {
     let (series, unit) = match unit {
         Unit::Spread => (&scaled.plain.0, 1.0),
@@ -132,9 +132,9 @@ mod tests {
     use super::*;
     use crate::readings::settings::everywhere;
     use approx::relative_eq;
+    use numerics::SplitMix;
     use rayon::prelude::*;
     use stickslip::math;
-    use stickslip::statistics::SplitMix;
 
     /// A torus with two incommensurate frequencies, one of them in columns of another scale.
     fn torus(scale: f64) -> Vec<[f64; 4]> {

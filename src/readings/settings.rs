@@ -33,7 +33,7 @@ pub fn everywhere(step: usize) -> DataSettings {
     }
 }
 
-/// The same with 12 to `max` neighbours in a ball of radius `eps`.
+/// Settings with 12 to `max` neighbours in a ball of radius `eps`.
 pub fn settings(eps: f64, max: usize, step: usize, affine: bool) -> DataSettings {
     DataSettings {
         neighbours: ball(eps, 12, max),

@@ -4,8 +4,8 @@ use super::plan::ZERO_SIZE;
 use super::scoring::distance;
 use super::table::{ConfigurationRow, Twelve};
 use crate::paper::published::HALF_DIGIT;
+use numerics::SplitMix;
 use stickslip::math;
-use stickslip::statistics::SplitMix;
 
 /// Smallest and largest size of a random negative exponent, a little wider than the published
 /// range. Its logarithm is uniform.

@@ -4,8 +4,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use crate::motion::{Class, UnknownClass};
 use crate::text::joined;
-use stickslip::analysis::motion::{Class, UnknownClass};
 use stickslip_series::Status;
 
 /// The twelve exponents of Figs. 10–12, each figure's in descending order.
@@ -17,11 +17,11 @@ const PUBLISHED: [Class; 3] = [Class::Periodic(2), Class::QuasiPeriodic, Class::
 /// The outcome of an orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OrbitVerdict {
-    /// It stays bounded; the class of its motion.
+    /// Stays bounded; the class of its motion.
     Motion(Class),
-    /// It diverges.
+    /// Diverges.
     Escaped,
-    /// It cannot be integrated.
+    /// Cannot be integrated.
     Failed,
 }
 
@@ -151,17 +151,17 @@ impl ConfigurationRow {
         text + ",classes_right,kinds_right,fig10.distance,fig11.distance,fig12.distance,distance\n"
     }
 
-    /// Its reading.
+    /// Reading.
     pub fn reading(&self) -> &str {
         &self.key[1]
     }
 
-    /// Its integrator.
+    /// Integrator.
     pub fn integrator(&self) -> &str {
         &self.key[2]
     }
 
-    /// Its three motions in words.
+    /// Three motions in words.
     pub fn motions(&self) -> [String; 3] {
         self.classes.map(|class| class.to_string())
     }

@@ -22,13 +22,13 @@ type StickNumbers = [f64; 4];
 /// The settled motions with the defects injected.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Injection {
-    /// With both defects.
+    /// Pattern with both defects.
     pub both: Pattern,
-    /// Its four numbers.
+    /// Four numbers.
     pub numbers: StickNumbers,
-    /// With the faster slip alone, or the error that ends the run.
+    /// Pattern with the faster slip alone, or the error that ends the run.
     pub slip_alone: Result<Pattern, Error>,
-    /// With the one-sided exit alone, or the error that ends the run.
+    /// Pattern with the one-sided exit alone, or the error that ends the run.
     pub exit_alone: Result<Pattern, Error>,
 }
 
@@ -79,7 +79,7 @@ pub struct MotionComparison {
     pub listing: Pattern,
     /// The event-exact solver with the defects, or the error that ends its run.
     pub injected: Result<Pattern, Error>,
-    /// Its four numbers minus the published ones.
+    /// Four numbers minus the published ones.
     pub differences: Option<StickNumbers>,
     /// Allowed size of the differences, see [`MotionComparison::allowed_differences`].
     pub allowed_differences: StickNumbers,
@@ -292,7 +292,7 @@ fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
 }
 
-/// The same without the sign.
+/// A number without its sign.
 fn allowed(value: f64) -> String {
     format!("{:.3}", 1e3 * value)
 }

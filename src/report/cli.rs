@@ -10,6 +10,7 @@ use super::page::{Report, page};
 use super::{draw, readme, tables};
 use crate::paper::published::Claims;
 use crate::terminal::{self, ProgramError};
+use output::terminal::DelayedProgressBar;
 use output::{Artifact, listing};
 
 const ABOUT: &str = "Judges every claim of the paper by computation: values under each reading, \
@@ -42,10 +43,10 @@ pub struct Arguments {
 /// The program. Exit code 0 on success, 1 on failure, 2 for a wrong command line.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let bar = terminal::bar(TICKS, " {elapsed}");
-    let outcome = run(&arguments, &|| bar.inc(1));
-    bar.finish_and_clear();
-    terminal::finish("summary", outcome.map(|(_, text)| text))
+    let bar = DelayedProgressBar::new("{bar:40} {pos}/{len} {elapsed}");
+    let outcome = run(&arguments, &|| bar.one_more(TICKS as u64));
+    bar.clear();
+    terminal::finish(outcome.map(|(_, text)| text))
 }
 
 /// Computes, writes the files, and returns the ledger and the text for the terminal.

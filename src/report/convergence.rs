@@ -1,7 +1,7 @@
 //! The listing as printed for decreasing steps, compared with its limit in the event-exact solver.
 
+use numerics::PowerLaw;
 use rayon::prelude::*;
-use stickslip::statistics::PowerLaw;
 
 use super::digits::Agreement;
 use super::matrix::{ComparedRun, four_digits};
@@ -52,9 +52,9 @@ pub struct Approach {
     /// The bound C of |error| ≤ C h (m/s for a length, 1 for a duration). It is the largest
     /// |error|/h over all steps except the printed one, including those around it.
     pub bound: f64,
-    /// The same over the steps of at least 1e-5 s.
+    /// Order over the steps of at least 1e-5 s.
     pub coarse: f64,
-    /// The same over the finer steps.
+    /// Order over the finer steps.
     pub fine: f64,
     /// Slope of log|error| against log h by least squares, over the steps that span three decades,
     /// without the printed one.

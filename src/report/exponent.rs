@@ -39,7 +39,7 @@ impl fmt::Display for Sign {
     }
 }
 
-/// What the settings of the estimator, which the paper does not state, say about published digits.
+/// Evidence of the estimator's settings, which the paper does not state, on published digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OverSettings {
     /// Nothing, or they agree to a unit of the last digit: the findings decide.
@@ -120,7 +120,7 @@ impl ExponentCheck {
         self.range.widened().is_some_and(meets)
     }
 
-    /// What the settings say about the published digits.
+    /// Evidence of the settings on the published digits.
     pub fn over_settings(&self, claim: &Claim) -> OverSettings {
         let SettingsRange {
             ends,

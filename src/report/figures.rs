@@ -23,7 +23,7 @@ pub struct Picture {
     pub svg: String,
     /// The curves in it as CSV. Empty for the report's own pictures.
     pub curves: String,
-    /// Its rows. Empty for the report's own pictures, whose numbers are in the ledger.
+    /// Rows. Empty for the report's own pictures, whose numbers are in the ledger.
     pub rows: Vec<Row>,
 }
 

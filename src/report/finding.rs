@@ -22,7 +22,7 @@ pub struct Finding {
     pub agrees: bool,
     /// Whether it holds by construction, so that it is not evidence.
     pub by_construction: bool,
-    /// What settings that the paper does not state say of it.
+    /// Evidence of settings that the paper does not state.
     pub settings: OverSettings,
     /// A note.
     pub note: Option<String>,
@@ -52,7 +52,7 @@ impl Finding {
         }
     }
 
-    /// With a note.
+    /// The finding with a note.
     #[must_use]
     pub fn with_note(mut self, note: String) -> Self {
         self.note = Some(note);

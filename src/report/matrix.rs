@@ -14,7 +14,7 @@ pub const SUBSETS: usize = 1 << Defect::ALL.len();
 /// One run of the listing, compared with the four published numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComparedRun {
-    /// Its step (s).
+    /// Step (s).
     pub h: f64,
     /// The defects it has.
     pub present: Defects,

@@ -33,10 +33,9 @@ pub mod tables;
 pub mod verdict;
 
 use crate::paper::bounded;
-use crate::paper::models::BeltOscillator;
-use stickslip::analysis::{Visibility, tangency};
+use crate::paper::models::{BeltOscillator, tangency};
 use stickslip::{
-    Error, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, solve,
+    Error, Filippov, Mode, Orbit, Phase, Side, State, Transition, TransitionKind, Visibility, solve,
 };
 
 /// The orbit of model 2 or another from a time and a state over a span, or until it escapes, and

@@ -4,11 +4,11 @@
 use super::ledger::{Entry, Ledger};
 use super::matrix::ComparedRun;
 use super::verdict::Verdict;
+use crate::motion::Class;
 use crate::paper::claim_id::{ClaimId, SpectrumFigure};
 use crate::paper::published::{Claim, Group};
 use crate::paper::reading::Reading;
 use crate::readings::{CommittedSearch, Match, other_motions, sources_in_words};
-use stickslip::analysis::motion::Class;
 
 /// The parts of the paper in which claims are counted: keys in `data/claims.csv` and names.
 pub(super) const PARTS: [(&str, &str); 9] = [

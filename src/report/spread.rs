@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::exponent::SettingsRange;
 use super::finding::{Finding, statement};
 use crate::figures::block_and_bracket::{Data, FigureSet, SETS, TOLERANCE, class};
+use crate::motion::Class;
 use crate::paper::models::{self, Caption};
 use crate::paper::reading::Reading;
 use crate::readings::{
@@ -16,7 +17,6 @@ use crate::readings::{
 };
 use crate::terminal::ProgramError;
 use crate::text::joined;
-use stickslip::analysis::motion::Class;
 use stickslip::{Error, Options};
 use stickslip_series::{DataExponent, Neighbourhood, Status};
 
@@ -226,7 +226,7 @@ impl Spread {
     }
 }
 
-/// What is estimated: an exponent of a figure, or the ratio of two, all from 0.
+/// Estimated quantity: an exponent of a figure, or the ratio of two, all from 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Estimated {
     /// One exponent.

@@ -26,7 +26,7 @@ described! {
             "the model with the corrections that are listed, solved accurately, gives it to every \
             printed digit or in all its parts; as stated it does not",
         ],
-        /// The same, with an assumption that the paper does not make.
+        /// Reproduced, with an assumption that the paper does not make.
         UnderAssumption = [
             "reproduced under an added assumption",
             "assumed",
@@ -64,7 +64,7 @@ described! {
             the published sign is that of the equations; a value outside the range is not \
             reproduced",
         ],
-        /// It holds by definition; not counted.
+        /// Holds by definition; not counted.
         Identity = [
             "identity",
             "identity",
@@ -86,7 +86,7 @@ impl Verdict {
         self.described()[2]
     }
 
-    /// Its name in the style sheet of the page.
+    /// Name in the style sheet of the page.
     pub fn key(self) -> &'static str {
         self.described()[1]
     }
@@ -160,7 +160,7 @@ described! {
 }
 
 impl Correction {
-    /// Its short name: C1, C2, …
+    /// Short name: C1, C2, …
     pub fn label(self) -> String {
         format!("C{}", self as usize + 1)
     }

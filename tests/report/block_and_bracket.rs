@@ -6,7 +6,7 @@
 use super::with;
 use approx::assert_abs_diff_eq;
 use replication::figures::block_and_bracket::{Data, compare};
-use stickslip::analysis::motion::Class;
+use replication::motion::Class;
 use stickslip::analysis::{Exponent, periodic_orbit};
 use stickslip::{Options, State, math};
 

@@ -1,7 +1,8 @@
-//! Output of results, shared by all programs: files that are either complete or absent, and figures
-//! as PNG.
+//! Output of all programs: files that are either complete or absent, figures as PNG, and what is
+//! printed.
 
 mod png;
+pub mod terminal;
 
 use std::fs::{self, File};
 use std::io::ErrorKind::CrossesDevices;
@@ -77,7 +78,7 @@ pub fn write_all(folder: &Path, artifacts: &[Artifact]) -> Result<Vec<PathBuf>, 
     write_all_by(folder, folder, artifacts)
 }
 
-/// As [`write_all`], but with temporary files in another folder. A kill may leave unfinished files
+/// [`write_all`] with temporary files in another folder. A kill may leave unfinished files
 /// there.
 ///
 /// # Errors

@@ -39,7 +39,7 @@ pub(super) fn double(sheet: &Sheet<'_, '_>, a: Point, b: Point, pen: &Pen) -> Dr
     head(sheet, near_b, b, pen)
 }
 
-/// Where the line ends and the head begins.
+/// End of the line and start of the head.
 fn neck(from: Point, to: Point) -> Option<Point> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = crate::math::hypot(dx, dy);

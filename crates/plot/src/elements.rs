@@ -8,7 +8,7 @@ use super::color::Color;
 use super::marks::{Symbol, Words};
 use super::pen::Pen;
 
-/// What is drawn at points.
+/// Marks at points.
 #[derive(Clone)]
 pub(super) enum Ink {
     /// A polyline through them.

@@ -48,7 +48,7 @@ impl Axis {
 pub struct NumericCurve {
     /// Label of its panel, without brackets.
     pub panel: String,
-    /// Its name, or its legend, without markup.
+    /// Name or legend, without markup.
     pub name: String,
     /// Labels of the two axes, without markup.
     pub axes: [String; 2],

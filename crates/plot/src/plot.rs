@@ -50,7 +50,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// With this upper left corner.
+    /// A plot area by its upper left corner.
     pub(super) fn new((left, top): Point, (width, height): Point) -> Self {
         Self {
             left,

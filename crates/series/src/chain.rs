@@ -5,7 +5,7 @@ use super::matrix::{Matrix, Row, product};
 use super::series::MAX_COLUMNS;
 use super::svd::svd;
 
-/// What one map did to the tangent vectors.
+/// Stretching of the tangent vectors by one map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stretch {
     /// Stretching in each position; 0 where there is none.

@@ -15,7 +15,7 @@ use super::progress::in_parallel;
 use super::series::MAX_COLUMNS;
 use super::settings::DataSettings;
 use super::tree::Neighbour;
-use crate::statistics::{power, upper_median};
+use numerics::{PowerLaw, upper_median};
 
 /// Number of neighbourhood sizes compared.
 const SIZES: usize = 4;
@@ -159,7 +159,7 @@ impl Probe<'_> {
         for (i, slope) in spread.slopes.iter_mut().enumerate() {
             if !slope.is_nan() {
                 let sizes = spread.sizes.iter().map(|sizes| sizes[i]);
-                *slope = power(spread.radius.into_iter().zip(sizes));
+                *slope = PowerLaw::through(spread.radius.into_iter().zip(sizes)).exponent;
             }
         }
         Some(spread)

@@ -107,7 +107,7 @@ pub enum DataError {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words and numbers.
+        /// Allowed values, in words and numbers.
         bound: String,
     },
     /// The one who watched the progress stopped the computation.

@@ -17,8 +17,8 @@ use super::progress::{Progress, report, unwatched};
 use super::result::{Counts, DataExponent, DataSpectrum, Running};
 use super::series::Series;
 use super::settings::{DataSettings, Estimator, Neighbourhood};
-use super::statistics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 /// Reference points between two reports of progress: few enough that their maps stay in the cache.
 const POINTS_PER_REPORT: usize = 128;
@@ -58,7 +58,7 @@ pub fn data_spectrum(series: &Series, settings: &DataSettings) -> Result<DataSpe
     data_spectrum_with(series, settings, &unwatched)
 }
 
-/// As [`data_spectrum`], with calls of `progress(done, total)` at intervals, in numbers of
+/// [`data_spectrum`] with calls of `progress(done, total)` at intervals, in numbers of
 /// reference points.
 ///
 /// # Errors
@@ -243,7 +243,7 @@ struct Local {
     point: Point,
 }
 
-/// What is estimated around each reference point.
+/// Estimates around a reference point.
 struct Around<'a> {
     cloud: &'a Cloud,
     finder: Finder<'a>,

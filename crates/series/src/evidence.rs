@@ -23,7 +23,7 @@ const GOES_ON: f64 = 0.5;
 /// A tangent exponent of a flow is near zero if it is at most this fraction of the largest. Chosen:
 /// errors do not contain the bias of finite neighbourhoods.
 const ZERO_BIAS: f64 = 0.25;
-/// It is near zero, too, if the stretching per map differs from 1 by at most this. Chosen.
+/// An exponent is near zero, too, if the stretching per map differs from 1 by at most this. Chosen.
 const ZERO_STRETCHING: f64 = 0.01;
 
 /// Evidence common to all exponents.

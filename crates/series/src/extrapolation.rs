@@ -22,8 +22,8 @@ use super::neighbours::POINTS_PER_NEIGHBOUR;
 use super::polynomial::Polynomial;
 use super::settings::DataSettings;
 use super::settings::Degree;
-use super::statistics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 /// Neighbours at the smaller size for each unknown. Chosen: fewer leave noise in the maps, and
 /// more make neighbourhoods larger.
@@ -121,7 +121,7 @@ impl Plan {
 
 /// The maps around a point.
 pub(crate) struct Maps {
-    /// Of the smaller and the larger size.
+    /// Maps of the smaller and the larger size.
     sizes: [LocalMap; 2],
     /// Radii of both, in the unit of the cloud.
     pub(crate) radius: [f64; 2],
@@ -143,7 +143,7 @@ pub(crate) struct Extrapolation {
 
 /// An exponent at size zero and what it is extrapolated from.
 pub(crate) struct Extrapolated {
-    /// With its statistical error.
+    /// Value at size zero, with its statistical error.
     pub(crate) zero: Average,
     /// Change from the smaller size to the larger.
     pub(crate) eps_sensitivity: f64,

@@ -447,7 +447,7 @@ fn reflect(left: &mut [f64], right: &mut [f64], rows: usize, columns: usize) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Points followed by their images; all points but the first are neighbours of it.
     fn triangle_of(pairs: &[[[f64; 2]; 2]]) -> Triangle {

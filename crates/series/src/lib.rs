@@ -119,7 +119,6 @@ mod result;
 mod reversal;
 mod series;
 mod settings;
-pub mod statistics;
 mod surrogates;
 mod svd;
 mod tree;

@@ -155,7 +155,7 @@ mod tests {
     use super::*;
     use crate::series::Series;
 
-    /// As [`Finder::nearest`], by exhaustive search.
+    /// [`Finder::nearest`] by exhaustive search.
     fn brute(
         cloud: &Cloud,
         finder: &Finder<'_>,

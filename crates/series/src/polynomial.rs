@@ -58,7 +58,7 @@ impl Polynomial {
         }
     }
 
-    /// With forms of all directions, or of as many of the widest as the limit of unknowns allows.
+    /// Adds forms of all directions, or of as many of the widest as the limit of unknowns allows.
     pub(crate) fn quadratic(mut self, columns: usize) -> Self {
         let unknowns = |forms| {
             Terms {
@@ -137,8 +137,8 @@ impl Polynomial {
 mod tests {
     use super::*;
     use crate::least_squares::ShiftedColumns;
-    use crate::statistics::SplitMix;
     use crate::tree::Neighbour;
+    use numerics::SplitMix;
 
     /// A polynomial with two tangent directions and quadratic forms of the given number of
     /// directions.

@@ -7,24 +7,24 @@ use super::settings::DataSettings;
 /// Whether the series determines an exponent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
-    /// It belongs to a direction in which the points spread, and there is no sign of an error
+    /// Belongs to a direction in which the points spread, and there is no sign of an error
     /// beyond the standard error.
     Ok,
-    /// It belongs to such a direction, but depends on the size of the neighbourhoods, by the
+    /// Belongs to such a direction, but depends on the size of the neighbourhoods, by the
     /// curvature of map and attractor. An extrapolated exponent at size zero differs from that at
     /// the larger size by more than two statistical errors and 5 %. Or requested linear maps differ
     /// from quadratic ones by as much. With [`super::Estimator::SanoSawada`], neighbourhoods of
     /// twice the size change it by more than four standard errors and 5 %.
     Unstable,
-    /// It belongs to such a direction, but at more than half of the reference points the ball held
+    /// Belongs to such a direction, but at more than half of the reference points the ball held
     /// too few neighbours. The nearest points were taken there, at any distance. This is not the
     /// requested estimate.
     Starved,
-    /// It belongs to such a direction, but the maps that are extrapolated are often undetermined:
+    /// Belongs to such a direction, but the maps that are extrapolated are often undetermined:
     /// at more than 1 % of the reference points ([`DataExponent::undetermined`]). Values on a grid
     /// are an example.
     Undetermined,
-    /// It belongs to such a direction, but noise may flatten the maps that are extrapolated by more
+    /// Belongs to such a direction, but noise may flatten the maps that are extrapolated by more
     /// than two errors. What they leave unpredicted of the images is taken for noise, the same in
     /// all columns, of images and points. Slopes, and logarithms of stretchings, are too small by
     /// its fraction of the neighbours' variance in a direction. The first exponent is compared with
@@ -197,7 +197,7 @@ pub enum Balance {
         exponents: usize,
         /// Their sum.
         sum: f64,
-        /// Its standard error.
+        /// Standard error.
         stderr: f64,
     },
     /// No sum is known: no exponent is, or one is minus infinity.

@@ -34,7 +34,7 @@ pub enum Neighbourhood {
         /// reference point counts as starved. Where exponents are extrapolated it does if the
         /// smaller of the two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
-        /// With more points than this in the ball, only this many nearest points are taken.
+        /// Largest number of points. If the ball holds more, only this many nearest ones are taken.
         max: usize,
     },
     /// This many nearest points, at any distance.
@@ -59,7 +59,7 @@ impl Neighbourhood {
     }
 }
 
-/// What is made of the local maps.
+/// Estimator that is applied to the local maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Estimator {
     /// Sano and Sawada's: linear maps of one neighbourhood, Eqs. (25) and (26) of the paper as they
@@ -110,7 +110,7 @@ const NEIGHBOURS_PER_VALUE: usize = 4;
 /// neighbours need an `eps` of 0.04.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataSettings {
-    /// What is made of the local maps.
+    /// Estimator that is applied to the local maps.
     pub estimator: Estimator,
     /// Which points are neighbours. What is extrapolated comes from the nearest points,
     /// [`Neighbourhood::fewest`] or more of them.

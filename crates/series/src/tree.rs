@@ -73,9 +73,9 @@ impl Bounds<'_> {
 /// nodes of the last level.
 pub(crate) struct Tree {
     columns: usize,
-    /// Of each node the lower ends of its box, and then the upper ones.
+    /// Lower ends of each node's box, then the upper ones.
     boxes: Vec<f64>,
-    /// Of each node the smallest index.
+    /// Smallest index in each node.
     first: Vec<u32>,
     first_leaf: usize,
     /// Points of the leaves, from left to right: [`BLOCKS_PER_LEAF`] blocks of each, and of each
@@ -211,7 +211,7 @@ impl Tree {
         sort(nearest, wanted);
     }
 
-    /// What [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
+    /// Points that [`Tree::nearest`] looks for, unsorted, and some beyond the wanted ones.
     #[inline(always)]
     fn collect(
         &self,
@@ -290,7 +290,7 @@ fn order(a: &Neighbour, b: &Neighbour) -> Ordering {
 mod tests {
     use super::*;
     use crate::matrix::distance2;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Compares with an exhaustive search. There are up to some hundred points, in space, on a
     /// grid, or in a few places far from the origin.

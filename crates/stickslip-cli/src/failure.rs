@@ -31,7 +31,7 @@ pub(crate) enum Failure {
     Series(DataError),
     #[error("{}", CommandLine.words(.0, None))]
     Computation(#[from] Error),
-    /// As [`Failure::Computation`], with the names of the system's contacts.
+    /// [`Failure::Computation`] with the names of the system's contacts.
     #[error("{words}")]
     OfSystem { error: Error, words: String },
 }

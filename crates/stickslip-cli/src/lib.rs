@@ -5,4 +5,3 @@ mod failure;
 mod render;
 pub mod sweep;
 pub mod table;
-mod terminal;

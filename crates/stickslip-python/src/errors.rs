@@ -129,7 +129,10 @@ pub(crate) fn failed(error: &Error, system: Option<&System>) -> PyErr {
         Error::Interval { .. } => PyValueError::new_err(message),
         _ => {
             // The name of the variant, which is what `Debug` begins with.
-            let debug = format!("{error:?}");
+            let debug = match error {
+                Error::Contacts { fault, .. } => format!("{fault:?}"),
+                other => format!("{other:?}"),
+            };
             let kind = debug.split(|letter: char| !letter.is_alphanumeric()).next();
             computation(kind.unwrap_or_default(), &message, Some(error))
         }

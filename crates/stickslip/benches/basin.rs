@@ -4,8 +4,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use numerics::SplitMix;
 use stickslip::analysis::{RecurrenceSettings, basin};
-use stickslip::statistics::SplitMix;
 use stickslip::{Filippov, Method, Options, Scalar, Side, State};
 
 const STARTS: usize = 3600;

@@ -5,7 +5,7 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use stickslip::filippov::Switched;
+use stickslip::Switched;
 use stickslip::{Contacts, Method, Options, Scalar, Several, Side, State, Summary, run};
 
 const COUPLING: f64 = 0.5;
@@ -57,7 +57,7 @@ chain! {
     8, 16;
 }
 
-/// What the blocks do.
+/// Motion of the blocks.
 #[derive(Clone, Copy, Debug)]
 enum Motion {
     /// All slip, on a fast belt.

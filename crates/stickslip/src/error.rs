@@ -2,6 +2,9 @@
 
 use std::fmt;
 
+pub use crate::contact_fault::ContactFault;
+use crate::ode::Timed;
+
 /// A state as it appears in a message.
 #[derive(Clone, PartialEq)]
 pub struct Point(pub Vec<f64>);
@@ -26,19 +29,6 @@ impl fmt::Display for Point {
 impl<const N: usize> From<&crate::system::State<N>> for Point {
     fn from(x: &crate::system::State<N>) -> Self {
         Point(x.iter().copied().collect())
-    }
-}
-
-/// The consistent outcomes and their number, in words.
-fn candidates_in_words(candidates: &[String]) -> String {
-    if candidates.is_empty() {
-        "no motion that follows is consistent with the friction at all of them".to_owned()
-    } else {
-        format!(
-            "{} motions that follow are consistent: {}",
-            candidates.len(),
-            candidates.join(" or ")
-        )
     }
 }
 
@@ -102,7 +92,7 @@ pub enum Error {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         bound: &'static str,
     },
     /// A setting of the solver is not allowed.
@@ -112,7 +102,7 @@ pub enum Error {
         name: &'static str,
         /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         bound: &'static str,
     },
     /// The end time does not lie after the start, or one of them is not a number.
@@ -145,9 +135,9 @@ pub enum Error {
             defined wherever the orbit comes", t = readable(*t)
     )]
     Undefined {
-        /// Of what, in words.
+        /// Undefined quantity, in words.
         what: &'static str,
-        /// Its number, counted from the contacts through the jumps to the inputs.
+        /// Number, counted from the contacts through the jumps to the inputs.
         number: usize,
         /// Time.
         t: f64,
@@ -262,7 +252,7 @@ pub enum Error {
         x: Point,
         /// The contacts at which they happen, counted from 0; the jumps follow them.
         contacts: Vec<usize>,
-        /// Where they accumulate, if they are a geometric series.
+        /// Accumulation point, if the transitions are a geometric series.
         accumulation: Option<Box<Accumulation>>,
     },
     /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
@@ -296,97 +286,15 @@ pub enum Error {
         /// The bound.
         bound: f64,
     },
-    /// Several contacts are at zero, and the motion that follows is not unique or does not exist.
-    #[error(
-        "contacts {contacts:?} stand at zero at t = {t}, x = {x}, and {}; friction there may push \
-            apart, or one contact's force act on another too strongly: look at the field with each \
-            of them on either side (Options::at_repelling has no say for several contacts)",
-        candidates_in_words(candidates), t = readable(*t)
-    )]
-    NoUniqueMode {
+    /// The motion at one or several contacts cannot continue.
+    #[error("{}", fault.words(*t, x))]
+    Contacts {
         /// Time.
         t: f64,
         /// State.
         x: Point,
-        /// The contacts, counted from 0.
-        contacts: Vec<usize>,
-        /// The consistent outcomes, in the same order.
-        candidates: Vec<String>,
-    },
-    /// Too many contacts are at zero together to try all combinations, and their friction does not
-    /// guarantee a unique solution.
-    #[error(
-        "contacts {contacts:?} stand at zero together at t = {t}, x = {x}: more than eight are too \
-            many to try where friction at one does not resist all of them as Coulomb's does; move \
-            their boundaries apart, or write their friction without coupling", t = readable(*t)
-    )]
-    TooManyContacts {
-        /// Time.
-        t: f64,
-        /// State.
-        x: Point,
-        /// The contacts, counted from 0.
-        contacts: Vec<usize>,
-    },
-    /// The boundaries of contacts at zero together are degenerate: one has no slope, or two
-    /// coincide.
-    #[error(
-        "the boundary functions of contacts {contacts:?} have gradients at t = {t}, x = {x} that \
-            are zero or depend on each other; each contact needs a boundary of its own",
-        t = readable(*t)
-    )]
-    DependentContacts {
-        /// Time.
-        t: f64,
-        /// State.
-        x: Point,
-        /// The contacts, counted from 0.
-        contacts: Vec<usize>,
-    },
-    /// A contact's static friction is below its kinetic friction.
-    #[error(
-        "the static friction of contact {contact} at t = {t}, x = {x} is {ratio} times the \
-            kinetic; it must be at least as large", t = readable(*t), ratio = readable(*ratio)
-    )]
-    StaticBelowKinetic {
-        /// Time.
-        t: f64,
-        /// State.
-        x: Point,
-        /// The contact, counted from 0.
-        contact: usize,
-        /// Static over kinetic friction.
-        ratio: f64,
-    },
-    /// The field that holds a contact also changes the friction of a slipping contact.
-    #[error(
-        "with contact {held} at rest at t = {t}, x = {x}, Contacts::holding changes the friction \
-            of contact {slipping}, which slips; only contacts in `held` have static friction",
-        t = readable(*t)
-    )]
-    HoldsElsewhere {
-        /// Time.
-        t: f64,
-        /// State.
-        x: Point,
-        /// The contact at rest, counted from 0.
-        held: usize,
-        /// The contact that slips.
-        slipping: usize,
-    },
-    /// Friction at one contact depends on the side of another, which the system does not declare.
-    #[error(
-        "the friction of contacts {} and {} does not add at t = {t}, x = {x}: what one does \
-            depends on the side of the other; set Contacts::MULTI_AFFINE to true",
-        pair.0, pair.1, t = readable(*t)
-    )]
-    NotAdditive {
-        /// Time.
-        t: f64,
-        /// State.
-        x: Point,
-        /// The two contacts, counted from 0.
-        pair: (usize, usize),
+        /// The fault.
+        fault: ContactFault,
     },
     /// The orbit does not cover the time asked for.
     #[error(
@@ -407,7 +315,7 @@ pub enum Error {
             {wanted:e}; start nearer to the solution"
     )]
     NotConverged {
-        /// What was sought.
+        /// Object of the search.
         what: &'static str,
         /// Iterations made.
         iterations: usize,
@@ -424,9 +332,9 @@ pub enum Error {
         }, t = readable(*t)
     )]
     NotFound {
-        /// What was sought.
+        /// Object of the search.
         what: &'static str,
-        /// Where the search began.
+        /// Time at which the search began.
         t: f64,
         /// How far it went; 0 where it followed no orbit.
         span: f64,
@@ -536,6 +444,12 @@ pub fn readable(value: f64) -> String {
 }
 
 impl Error {
+    /// The fault of contacts at a place of a run.
+    pub(crate) fn at_contacts<const N: usize>(at: &Timed<N>, fault: ContactFault) -> Self {
+        let (t, x) = (at.t, Point::from(&at.x));
+        Error::Contacts { t, x, fault }
+    }
+
     /// Time and state of the failure of a run.
     pub fn place(&self) -> Option<(f64, Point)> {
         let mut error = self.clone();
@@ -555,12 +469,7 @@ impl Error {
             | Error::EventPileUp { t, x, .. }
             | Error::BranchPileUp { t, x, .. }
             | Error::Escaped { t, x, .. }
-            | Error::NoUniqueMode { t, x, .. }
-            | Error::TooManyContacts { t, x, .. }
-            | Error::DependentContacts { t, x, .. }
-            | Error::StaticBelowKinetic { t, x, .. }
-            | Error::HoldsElsewhere { t, x, .. }
-            | Error::NotAdditive { t, x, .. }
+            | Error::Contacts { t, x, .. }
             | Error::NoUniqueFuture { t, x }
             | Error::Shrunk { t, x }
             | Error::ChainedJumps { t, x, .. }

@@ -97,21 +97,50 @@
 //! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the
 //! same as alone, and the results come in order.
 //!
+//! # Everything that is exported
+//!
+//! | To … | use |
+//! |---|---|
+//! | write a system | [`Filippov`], [`Contacts`] in [`Several`], [`Scalar`], [`Side`], [`Mode`] |
+//! | let it jump | [`dynamics::WithJumps`], [`dynamics::Jumps`], [`dynamics::Reset`] |
+//! | run it and keep the orbit | [`solve`]: [`Orbit`], [`Phase`], [`Transition`], [`Failure`] |
+//! | run it step by step | [`Integration`], [`Progress`]; [`run`] with an [`Observer`] |
+//! | run many | [`ensemble`], [`Start`] |
+//! | choose how | [`Options`]: [`Method`], [`Locator`], [`AtRepelling`], [`AtPileUp`] |
+//! | know how it ended | [`Summary`]: [`Ending`], [`TwoFold`], [`Counters`] |
+//! | find events of your own | [`EventFunctions`], [`Plane`], [`Strobe`]; [`solve_with_events`] |
+//! | look at a point of Σ | [`fate`], [`Visibility`], [`normal_component`], [`boundary_gradient`] |
+//! | map a section to itself | [`analysis::PoincareMap`] |
+//! | find periodic orbits | [`analysis::find_periodic_orbit`], [`analysis::periodic_orbit`] |
+//! | judge their stability | [`analysis::monodromy`], [`analysis::multipliers`] |
+//! | follow them | [`analysis::continue_periodic_orbit`], [`analysis::switch_branches`] |
+//! | follow equilibria | [`analysis::continue_equilibrium`] |
+//! | follow a change in two parameters | [`analysis::continue_change`] |
+//! | find attractors and basins | [`analysis::attractor`], [`analysis::basin`] |
+//! | follow an attractor | [`analysis::sweep`], [`analysis::locate_changes`] |
+//! | measure exponents | [`analysis::lyapunov_spectrum`], [`analysis::largest_exponent`] |
+//! | use numbers of states from run time | [`dynamics::Dynamics`], [`dynamics::Vector`] |
+//! | compute with the same bits everywhere | [`math`] |
+//! | build a solver of your own | [`ode`]: steps, dense output, [`ode::henon_step`] |
+//!
+//! [`error`] has the failures, [`scalar`] the numbers that carry derivatives and bounds. The
+//! remaining names of each module are the settings and results of these.
+//!
 //! # Errors
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
 //! it in a [`Failure`].
 
 pub mod analysis;
+mod contact_fault;
 mod dual;
 pub mod dynamics;
 pub mod error;
-pub mod filippov;
+mod filippov;
 mod interval;
 pub mod math;
 pub mod ode;
-pub mod orbit;
+mod orbit;
 pub mod scalar;
-pub mod statistics;
 pub mod system;
 mod taylor;
 
@@ -121,12 +150,13 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
-    Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane, Progress,
-    Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind, Visibility, Watched,
-    WatchedProgress, ensemble, fate, run, solve, solve_with_events,
+    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventOf, EventRecord, EventSearch,
+    Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
+    PhaseOf, Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition,
+    TransitionKind, TransitionOf, Visibility, Watched, WatchedProgress, boundary_gradient,
+    ensemble, fate, first_zero, normal_component, run, solve, solve_with_events,
 };
-pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
+pub use orbit::{Approach, Counters, Ending, Orbit, Summary, SummaryOf, TwoFold};
 pub use scalar::Scalar;
 pub use system::{Filippov, Mode, Side, State};
 

@@ -2,10 +2,10 @@
 
 use super::numbers::by_size;
 use super::recorder::{DT, END, OrbitRecorder, START};
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Reading};
 use crate::terminal::ProgramError;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
@@ -15,7 +15,7 @@ use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_s
 pub struct FigureSet {
     /// Which of the three.
     pub figure: SpectrumFigure,
-    /// Its parameters.
+    /// Parameters.
     pub caption: Caption,
     /// Length of the orbit drawn, up to the end of the run.
     pub shown: f64,
@@ -87,18 +87,18 @@ pub enum AsPrintedOutcome {
     Bounded(Box<BoundedMotion>),
 }
 
-/// What the figure shows.
+/// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// Which of the three figures.
     pub set: &'static FigureSet,
     /// The model by the corrected equations.
     pub model: BlockAndBracket,
-    /// Its motion.
+    /// Motion.
     pub exact: BoundedMotion,
     /// Exponents from the sampled states, by size.
     pub from_data: DataSpectrum,
-    /// The same with the nearest of the search's settings for the three figures together.
+    /// Exponents with the nearest of the search's settings for the three figures together.
     pub best_of_readings: DataSpectrum,
     /// The sampled states.
     pub states: Vec<[f64; 4]>,
@@ -156,7 +156,7 @@ pub fn class(set: &FigureSet, reading: &Reading, solver: Options) -> Result<Clas
     Ok(measure(&model, set, solver)?.0.class)
 }
 
-/// The same by the procedure of Sect. 3: classical Runge–Kutta steps of fixed length, and Hénon's
+/// Class by the procedure of Sect. 3: classical Runge–Kutta steps of fixed length, and Hénon's
 /// step onto Σ. `None` if the orbit escapes.
 ///
 /// # Errors

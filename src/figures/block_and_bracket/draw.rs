@@ -5,6 +5,7 @@ use super::numbers::{compare, quality};
 use super::recorder::{END, START};
 use crate::captions::{self, CaptionTable};
 use crate::figures::{belt_line, side_by_side};
+use crate::motion::Class;
 use crate::numbers::extent;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::models::Caption;
@@ -13,7 +14,6 @@ use crate::terminal::ProgramError;
 use crate::text::joined;
 use plot::*;
 use stickslip::analysis::Exponent;
-use stickslip::analysis::motion::Class;
 use stickslip::math;
 use stickslip_series::Status;
 

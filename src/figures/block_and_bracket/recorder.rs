@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::orbit_records::{Samples, TurningPoints};
 use crate::paper::models::BlockAndBracket;
+use numerics::golden_section;
 use stickslip::{Observer, Options, State, StepRecord, Transition, TransitionKind};
 
 /// Start of the series, as in the paper.
@@ -17,8 +18,6 @@ pub(crate) const DT: f64 = 0.2;
 const SEARCHED_PARTS: u32 = 8;
 /// Iterations of the golden-section search. They shrink a part to 1e-12 of its length.
 const REFINEMENTS: u32 = 60;
-/// Golden ratio minus one: the fraction of its interval that a golden-section search keeps.
-const GOLDEN_FRACTION: f64 = 0.618_033_988_749_894_9;
 /// Points drawn per step.
 const POINTS_PER_STEP: u32 = 10;
 
@@ -64,29 +63,12 @@ impl<'a> OrbitRecorder<'a> {
         self.flown + self.lifted_since.map_or(0.0, |since| END - since)
     }
 
-    /// Golden-section search for the minimum of the normal force between two times.
-    fn least(&self, step: &StepRecord<4>, mut from: f64, mut to: f64) -> f64 {
-        let force = |t: f64| {
-            self.model
-                .unclipped_normal_force(step.dense.at_time(t).as_ref())
-        };
-        let (mut one, mut other) = (
-            to - GOLDEN_FRACTION * (to - from),
-            from + GOLDEN_FRACTION * (to - from),
-        );
-        let (mut at_one, mut at_other) = (force(one), force(other));
-        for _ in 0..REFINEMENTS {
-            if at_one < at_other {
-                (to, other, at_other) = (other, one, at_one);
-                one = to - GOLDEN_FRACTION * (to - from);
-                at_one = force(one);
-            } else {
-                (from, one, at_one) = (one, other, at_other);
-                other = from + GOLDEN_FRACTION * (to - from);
-                at_other = force(other);
-            }
-        }
-        at_one.min(at_other)
+    /// Minimum of the normal force between two times.
+    fn least(&self, step: &StepRecord<4>, from: f64, to: f64) -> f64 {
+        golden_section(from, to, REFINEMENTS, |t| {
+            let state = step.dense.at_time(t);
+            self.model.unclipped_normal_force(state.as_ref())
+        })
     }
 
     fn scan(&mut self, step: &StepRecord<4>) {

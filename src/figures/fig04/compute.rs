@@ -28,7 +28,7 @@ pub struct Cycle {
     pub curve: Vec<(f64, f64)>,
 }
 
-/// What the figure shows.
+/// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The model.

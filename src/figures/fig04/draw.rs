@@ -5,7 +5,7 @@ use crate::figures::belt_line;
 use crate::terminal::ProgramError;
 use crate::text::joined;
 use plot::*;
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 
 /// Description of the picture for screen readers.
 fn description(data: &Data) -> String {

@@ -11,7 +11,7 @@ use crate::text::joined;
 use compute::compute;
 pub use compute::{Cycle, Data};
 use draw::draw;
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 
 /// Fig. 4.
 pub const FIG04: FigureSpec<Data> = FigureSpec {

@@ -1,9 +1,9 @@
 //! The transition function, its oscillating zeros and their bifurcation.
 
-use crate::numbers::bisect;
 use crate::paper::models::ForcedOscillator;
 use crate::paper::models::cubic::{Cubic, TangentPoint};
 use crate::terminal::ProgramError;
+use numerics::bisect;
 use stickslip::Error;
 
 /// The data of the figure. The drawn curves are for `k₁ = 1 N/m`, `k₂ = 1 N/m³`, as in the paper.

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::destination::{Destination, destination};
 use crate::figures::{crossing, time_curve};
 use crate::numbers::not_found;
 use crate::paper::listing::{self, END, Motion, Sample, Setup, Stick};
@@ -11,13 +12,13 @@ use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
 use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
 use crate::terminal::ProgramError;
-use stickslip::analysis::{Destination, destination, multipliers, periodic_orbit_forced};
+use stickslip::analysis::{multipliers, periodic_orbit_forced};
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// The listing's settled motion.
 #[derive(Clone, Debug)]
 pub struct ListingMotion {
-    /// Its pattern.
+    /// Pattern.
     pub pattern: Pattern,
     /// The complete stick phases of the trajectory.
     pub stuck: Vec<Stick>,
@@ -33,7 +34,7 @@ pub struct ListingMotion {
 /// The stated model's attractor.
 #[derive(Clone, Debug)]
 pub struct StatedMotion {
-    /// Its pattern.
+    /// Pattern.
     pub pattern: Pattern,
     /// Position of the upward crossing (m).
     pub left: f64,
@@ -68,7 +69,7 @@ pub struct Shares {
     pub unsettled: f64,
 }
 
-/// What the figure shows.
+/// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
     /// The model.

@@ -115,13 +115,13 @@ impl Defects {
         self.0 & others.0 == self.0
     }
 
-    /// With one defect switched.
+    /// Defects with one of them switched.
     #[must_use]
     pub fn flipped(self, defect: Defect) -> Self {
         Defects(self.0 ^ 1 << defect as u8)
     }
 
-    /// With each defect in turn switched.
+    /// Defects with each in turn switched.
     pub fn one_flipped(self) -> impl Iterator<Item = (Defect, Defects)> {
         let all = Defect::ALL.into_iter();
         all.map(move |defect| (defect, self.flipped(defect)))

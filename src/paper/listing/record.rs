@@ -96,9 +96,9 @@ impl Instant {
 /// A stick phase, from its entry to its exit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stick {
-    /// Where it began.
+    /// Instant at which it began.
     pub entry: Instant,
-    /// Where it ended.
+    /// Instant at which it ended.
     pub exit: Instant,
 }
 

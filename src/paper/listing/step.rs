@@ -15,9 +15,9 @@ const ESCAPE_FACTOR: f64 = 10.0;
 pub(super) enum Event {
     /// The body began to stick.
     Entry(Option<Zone>),
-    /// It left the stick zone through an end.
+    /// Left the stick zone through an end.
     Exit(ZoneEnd),
-    /// It passed the belt's speed without sticking, to this side.
+    /// Passed the belt's speed without sticking, to this side.
     Crossing(Side),
 }
 

@@ -53,7 +53,7 @@ impl Cubic {
         z * (self.k2 * z * z - self.k1)
     }
 
-    /// Its derivative `3k₂z² - k₁`, N/m.
+    /// Derivative `3k₂z² - k₁`, N/m.
     pub fn stiffness(&self, z: f64) -> f64 {
         3.0 * self.k2 * z * z - self.k1
     }

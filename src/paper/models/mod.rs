@@ -13,3 +13,5 @@ pub use block_and_bracket::{
 };
 pub use forced::ForcedOscillator;
 pub use tangent_points::BeltTangency;
+#[cfg(feature = "report")]
+pub(crate) use tangent_points::{tangency, visibility};

@@ -2,10 +2,8 @@
 
 use super::cubic::{Balance, Cubic, TangentPoint};
 use super::{BeltOscillator, ForcedOscillator};
-use stickslip::{
-    Error, Filippov, Side, State,
-    analysis::{Visibility, visibility},
-};
+use stickslip::scalar::Dual;
+use stickslip::{Error, Filippov, Scalar, Side, State, Visibility};
 
 /// A tangent point of Σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +12,7 @@ pub struct BeltTangency {
     pub position: f64,
     /// Side whose field is tangent.
     pub side: Side,
-    /// Its visibility. In an oscillating zone this changes with time.
+    /// Visibility. In an oscillating zone this changes with time.
     pub visibility: Visibility,
 }
 
@@ -90,4 +88,54 @@ fn tangencies<S: Filippov<2>>(
     };
     let points = Cubic::new(k1, k2)?.tangent_points(mu0)?;
     Ok(points.into_iter().flat_map(of_point).collect())
+}
+
+/// Rounding of a rate, in units of its largest term: some operations with half a unit in the last
+/// place each.
+const ROUNDING_ULPS: f64 = 64.0;
+
+/// First and second derivative of the boundary function along the field of `side`, and the rounding
+/// of either.
+fn lie_derivatives<S: Filippov<2>>(model: &S, side: Side, t: f64, x: &State<2>) -> ([f64; 2], f64) {
+    let x: [f64; 2] = (*x).into();
+    let along = |x: f64, rate: f64| Dual::new(x, rate);
+    let velocity = model.field(side, t, &x);
+    let time = along(t, 1.0);
+    let once = [0, 1].map(|i| along(x[i], velocity[i]));
+    let rates = model.field(side, time, &once);
+    let twice = [0, 1].map(|i| Dual::new(once[i], rates[i]));
+    let boundary = model.boundary(Dual::new(time, Dual::one()), &twice);
+    let terms = rates.iter().flat_map(|rate| [rate.re, rate.eps]);
+    let size = terms.fold(1.0, |most: f64, term| most.max(term.abs()));
+    let rounding = ROUNDING_ULPS * f64::EPSILON * size;
+    ([boundary.eps.re, boundary.eps.eps], rounding)
+}
+
+/// The visibility at a point where the field of `side` is tangent to Σ.
+pub(crate) fn visibility<S: Filippov<2>>(
+    model: &S,
+    side: Side,
+    t: f64,
+    x: &State<2>,
+) -> Visibility {
+    let ([_, bending], rounding) = lie_derivatives(model, side, t, x);
+    if bending.abs() <= rounding {
+        Visibility::Degenerate
+    } else if bending * side.sign() > 0.0 {
+        Visibility::Visible
+    } else {
+        Visibility::Invisible
+    }
+}
+
+/// The visibility if the field of `side` is tangent to Σ at `(t, x)`, to rounding.
+#[cfg(feature = "report")]
+pub(crate) fn tangency<S: Filippov<2>>(
+    model: &S,
+    side: Side,
+    t: f64,
+    x: &State<2>,
+) -> Option<Visibility> {
+    let ([rate, _], rounding) = lie_derivatives(model, side, t, x);
+    (rate.abs() <= rounding).then(|| visibility(model, side, t, x))
 }

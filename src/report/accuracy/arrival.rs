@@ -74,7 +74,7 @@ impl<'a> Arrival<'a> {
         })
     }
 
-    /// The same with the step printed in Sect. 3: `vp − x2` from below, `x2 − vp` from above.
+    /// Errors with the step printed in Sect. 3: `vp − x2` from below, `x2 − vp` from above.
     pub(super) fn as_in_the_text(&self) -> Result<EventErrors, Error> {
         let gap = |at: &Timed<2>| self.model.boundary(at.t, at.x.as_ref());
         self.measure(

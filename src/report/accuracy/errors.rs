@@ -3,7 +3,7 @@
 use crate::numbers::ROUNDING;
 use crate::paper::listing::PRINTED_STEP;
 use crate::paper::published::HALF_DIGIT;
-use stickslip::statistics::PowerLaw;
+use numerics::PowerLaw;
 use stickslip::{Error, Side};
 
 /// Tolerance of the exact orbits. Single Hénon steps are compared with them, so that it is ten

@@ -23,7 +23,7 @@ pub struct Accuracy {
     /// Arrival by RK4 with fixed step, then one Hénon step onto Σ. The step in velocity is `vp −
     /// x2`, from below and from above.
     pub stated: [EventErrors; 2],
-    /// The same with the step in velocity printed in Sect. 3, which is `x2 − vp` from above.
+    /// Errors with the step in velocity printed in Sect. 3, which is `x2 − vp` from above.
     pub text: [EventErrors; 2],
     /// One Hénon step alone from an exact state, from either side. Its error is of one order
     /// higher.

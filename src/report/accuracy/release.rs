@@ -25,7 +25,7 @@ pub struct Release {
     /// Eq. (15) taken literally, `dt/dx1 = 1/f2` over `h2 = x_k − x1`, with the field below and
     /// with the field above.
     pub literal: [EventErrors; 2],
-    /// With `dt/dx1 = 1/x2` over the same step.
+    /// Errors with `dt/dx1 = 1/x2` over the same step.
     pub corrected: EventErrors,
     /// The step as printed, `h2 = x_k − x1^(i+1)`, from the state `i`: with the two fields, and
     /// with `1/x2`.
@@ -255,7 +255,7 @@ impl Release {
         better(below, above)
     }
 
-    /// The same with the printed step, too: Sect. 3 to the letter.
+    /// Errors with the printed step, too: Sect. 3 to the letter.
     pub fn as_printed(&self) -> &EventErrors {
         let [below, above, _] = &self.printed_step;
         better(below, above)

@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use super::proof::{Proof, ProofResult};
 use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
+use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
 use crate::report::spread::mended_captions;
-use stickslip::analysis::motion::{Class, Criterion, Evidence, SystemKind};
 use stickslip::{Error, Observer, Options, State, StepRecord, run};
 
 /// The section is recorded from the start of the published series to here: over a hundred
@@ -73,7 +73,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
     })
 }
 
-/// The same, decided by the section.
+/// Proof decided by the section.
 pub(in crate::report) fn by_section(
     caption: &Caption,
     reading: &Reading,

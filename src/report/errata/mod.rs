@@ -22,17 +22,17 @@ pub use proof::{Proof, ProofResult};
 /// A misprint or defect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Erratum {
-    /// Its name; for a defect, [`Defect::name`].
+    /// Name; for a defect, [`Defect::name`].
     pub name: String,
-    /// Where in the paper.
+    /// Location in the paper.
     pub location: String,
-    /// What is printed, in our words.
+    /// Printed statement, in our words.
     pub printed: String,
-    /// What is correct.
+    /// Correct statement.
     pub correct: String,
     /// Results of the computation.
     pub shown: Vec<ProofResult>,
-    /// What the text shows by itself, where no computation could.
+    /// Proof by the text itself, where no computation could give one.
     pub by_reading: Option<String>,
     /// Whether the computation confirms the misprint.
     pub holds: bool,

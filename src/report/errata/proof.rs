@@ -9,12 +9,12 @@ pub struct ProofResult {
     pub what: String,
     /// A number, a count or a word.
     pub value: Value,
-    /// Its unit: `1` for a pure number, empty for a word.
+    /// Unit: `1` for a pure number, empty for a word.
     pub unit: String,
 }
 
 impl ProofResult {
-    /// With its own description.
+    /// A value with its own description.
     pub(super) fn new(what: impl Into<String>, value: impl Into<Value>, unit: &str) -> ProofResult {
         ProofResult {
             what: what.into(),

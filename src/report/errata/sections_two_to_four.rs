@@ -6,13 +6,14 @@ use rayon::prelude::*;
 use super::proof::Proof;
 use crate::figures::normals;
 use crate::figures::rows::Value;
-use crate::numbers::{bisect, extent};
+use crate::numbers::extent;
 use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::models::{BeltOscillator, ForcedOscillator};
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
+use numerics::bisect;
 use stickslip::system::Unchecked;
 use stickslip::{Ending, Error, Fate, State, fate};
 

@@ -1,6 +1,7 @@
 //! The paper's statements on Fig. 8's motion: its start, its arcs, and that the Appendix's program
 //! computes it.
 
+use crate::destination::{Destination, destination};
 use crate::figures::rows::Value;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{Defects, END, Motion, Run, Sample, Setup, run, run_with};
@@ -13,7 +14,6 @@ use crate::report::errata::Proof;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::report::scan::{CLOSENESS, PERIODS_FOLLOWED};
 use plot::number;
-use stickslip::analysis::{Destination, destination};
 use stickslip::{Error, Filippov, Mode, Side, solve};
 
 /// Forcing periods of the settled motion that are examined: two of the published pattern.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::paper::models::{Caption, Reading};
 use crate::report::errata::{MotionOutcome, by_section};
 use crate::text::joined;
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Error, math};
 
 /// Number of starts, each component up to [`REACH`] in size, from a fixed seed.

@@ -3,7 +3,7 @@
 //!
 //! A positive exponent means chaos; two zero exponents a torus; one a closed orbit. A section
 //! closes if the test of the figures finds at most 64 distinct points that repeat in the same order
-//! ([`stickslip::analysis::motion::Evidence`]). A thousand points hardly distinguish an uneven
+//! ([`crate::motion::Evidence`]). A thousand points hardly distinguish an uneven
 //! curve from a chaotic set. So whether an open section is a curve decides nothing. It is only
 //! shown: the points lie on a curve if hardly any has more than two neighbours in their minimum
 //! spanning tree.
@@ -11,13 +11,13 @@
 use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
+use crate::motion::Class;
 use crate::paper::models::Reading;
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::OrbitVerdict;
 use crate::report::finding::{Finding, as_printed, statement};
 use crate::text::joined;
 use stickslip::Error;
-use stickslip::analysis::motion::Class;
 
 /// Step of the classical Runge–Kutta method. The paper states none for Figs. 10–12.
 const RK4_STEP: f64 = 0.01;
@@ -26,9 +26,9 @@ const RK4_STEP: f64 = 0.01;
 /// Classes of the motions of Figs. 10, 11 and 12; `None` where the orbit escapes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProcedure {
-    /// With the corrected equations.
+    /// Classes with the corrected equations.
     pub corrected: Vec<Option<Class>>,
-    /// With the equations as printed.
+    /// Classes with the equations as printed.
     pub as_printed: Vec<Option<Class>>,
 }
 
@@ -81,7 +81,7 @@ impl ByProcedure {
 /// Hénon attractor.
 const CURVE_BRANCHING: f64 = 0.05;
 /// Maximum number of distinct points of a section that closes, as in
-/// [`stickslip::analysis::motion`].
+/// [`crate::motion`].
 const MAX_CLOSED_POINTS: usize = 64;
 
 /// One figure by its exponents and by its section.

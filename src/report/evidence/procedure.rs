@@ -8,8 +8,8 @@ use crate::paper::models::{Caption, ForcedOscillator};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::finding::{Finding, statement};
 use crate::text::joined;
+use numerics::PowerLaw;
 use std::f64::consts::PI;
-use stickslip::statistics::PowerLaw;
 
 /// Time (s) of a slip phase in which orders are measured: a whole number of all steps, and in place
 /// three times as long, before Σ is met.

@@ -4,17 +4,17 @@
 use rayon::prelude::*;
 
 use crate::figures::fig08;
-use crate::numbers::{bisect, largest};
+use crate::numbers::largest;
 use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
 use crate::paper::listing::{
     Defect, Defects, Instant, PRINTED_STEP, Run, Setup, Stick, StickPhase, run,
 };
-use crate::paper::models::ForcedOscillator;
+use crate::paper::models::{ForcedOscillator, visibility};
 use crate::paper::published::Claims;
 use crate::report::{stick_exits, until_escape};
-use stickslip::analysis::{Visibility, visibility};
-use stickslip::{Error, Orbit, State};
+use numerics::bisect;
+use stickslip::{Error, Orbit, State, Visibility};
 
 /// Number of positions and velocities of the starts. No row has the belt's speed.
 const START_GRID: (u32, u32) = (13, 9);

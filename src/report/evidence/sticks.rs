@@ -48,7 +48,7 @@ fn off_prediction(set: &TangentSet, stick: Stick) -> f64 {
     predicted.map_or(f64::INFINITY, |t| (t - stick.exit.t).abs())
 }
 
-/// Where stick phases end: how many at each point, and how many elsewhere.
+/// Ends of stick phases: how many at each point, and how many elsewhere.
 #[derive(Default)]
 struct Exits {
     at: [usize; 6],

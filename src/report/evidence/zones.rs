@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::stick_phases::TangentSet;
 use crate::figures::rows::Value;
-use crate::numbers::{ROUNDING, bisect, change_points, extent, largest};
+use crate::numbers::{ROUNDING, change_points, extent, largest};
 use crate::paper::models::ForcedOscillator;
 use crate::paper::reading::Reading::Exact;
 use crate::report::digits::small;
@@ -12,6 +12,7 @@ use crate::report::errata::Proof;
 use crate::report::finding::{Finding, statement};
 use crate::report::scan::PARAMETERS;
 use crate::text::joined;
+use numerics::bisect;
 use stickslip::{Fate, Filippov, State, fate};
 
 /// Range of positions relative to the support (m): half as far again as the outermost tangent

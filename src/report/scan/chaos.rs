@@ -28,7 +28,7 @@ pub struct MeasuredStart {
     /// First Lyapunov exponent (1/s), from the equations; −∞ if stick annihilates even that
     /// direction.
     pub lambda: f64,
-    /// Its standard error (1/s), from the means of blocks of a hundred forcing periods.
+    /// Standard error (1/s), from the means of blocks of a hundred forcing periods.
     pub std_error: f64,
     /// Lengths of the stick phases within the 2000 forcing periods measured (m), in order of time.
     pub lengths: Vec<f64>,

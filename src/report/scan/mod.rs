@@ -73,7 +73,7 @@ impl Scan {
     /// Scans, and calls `tick` after each set of parameters.
     ///
     /// # Errors
-    /// Those of [`stickslip::filippov::solve`] except an escape.
+    /// Those of [`stickslip::solve`] except an escape.
     pub fn compute(published: [f64; 2], tick: &(dyn Fn() + Sync)) -> Result<Scan, Error> {
         let middle = (VALUES / 2) as f64;
         let factor = |k: usize| math::pow(2.0, (k as f64 - middle) / middle);

@@ -1,5 +1,6 @@
 //! The attractors of all starts at one set of parameters.
 
+use crate::destination::{Destination, destination};
 use crate::figures::block_and_bracket::DIVERGED;
 use crate::numbers::largest;
 use crate::paper::models::ForcedOscillator;
@@ -8,7 +9,6 @@ use crate::paper::published::LAST_DIGIT;
 use crate::paper::{ESCAPE, SETTLING_TOLERANCE};
 use crate::report::stick_exits;
 use crate::text::described;
-use stickslip::analysis::{Destination, destination};
 use stickslip::dynamics::{Components, Vector};
 use stickslip::system::Unchecked;
 use stickslip::{AtRepelling, Error, Options, State, solve};

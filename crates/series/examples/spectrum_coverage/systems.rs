@@ -1,9 +1,9 @@
 //! Systems of known spectrum: series of their states, and their exponents from the equations.
 
+use numerics::SplitMix;
 use stickslip::Scalar;
 use stickslip::math;
 use stickslip::scalar::Dual;
-use stickslip::statistics::SplitMix;
 
 /// Runge–Kutta steps between two points of a flow's series.
 const SUBSTEPS: usize = 8;
@@ -187,7 +187,7 @@ pub struct Case {
     /// Number of leading columns that are also observed alone. The columns after them belong to the
     /// pendulum's drive and carry no information on the system.
     pub alone: usize,
-    /// Its exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points,
+    /// Exponents, descending: the means of two runs of [`Case::exponents`] over 10⁷ points,
     /// with 0 for a flow's second. Sprott (Chaos and Time-Series Analysis, 2003) gives the same for
     /// Hénon and Lorenz, and for Rössler's first 0.0714.
     pub known: &'static [f64],

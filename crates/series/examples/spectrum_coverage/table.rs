@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use stickslip_series::statistics::middle_two;
+use numerics::middle_two;
 
 use super::trial::{Observed, Row, Verdict};
 
@@ -54,7 +54,7 @@ fn number(v: f64) -> String {
 pub struct Count {
     /// Exponents with the status `ok`.
     pub ok: usize,
-    /// Of these, the ones whose true value is within two standard errors.
+    /// Exponents among these whose true value is within two standard errors.
     pub holds: usize,
     /// Distances of those from the true values.
     errors: Vec<f64>,
@@ -94,7 +94,7 @@ pub struct Group {
     pub series: usize,
     /// Exponents of the systems.
     pub exponents: usize,
-    /// With the default settings.
+    /// Count with the default settings.
     pub found: Count,
     /// By Sano and Sawada's estimator.
     pub sano_sawada: Count,

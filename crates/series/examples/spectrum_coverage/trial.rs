@@ -7,8 +7,8 @@ use stickslip_series::{
     data_spectrum, needed_embedding, reversal, unwatched,
 };
 
+use numerics::SplitMix;
 use stickslip::math;
-use stickslip::statistics::SplitMix;
 
 use super::systems::Case;
 
@@ -44,7 +44,7 @@ impl Observed {
 pub struct Row {
     /// Name of the system.
     pub system: &'static str,
-    /// What was observed of it.
+    /// Observed components.
     pub observed: Observed,
     /// Points of the series.
     pub points: usize,
@@ -54,7 +54,7 @@ pub struct Row {
     pub index: usize,
     /// The system's exponent; not a number where the series has more than the system.
     pub known: f64,
-    /// With the default settings; `None` where there are fewer exponents.
+    /// Verdict with the default settings; `None` where there are fewer exponents.
     pub found: Option<Verdict>,
     /// By Sano and Sawada's estimator.
     pub sano_sawada: Option<Verdict>,
@@ -64,9 +64,9 @@ pub struct Row {
 pub struct Verdict {
     /// Exponent.
     pub value: f64,
-    /// Its standard error.
+    /// Standard error.
     pub stderr: f64,
-    /// Its status.
+    /// Status.
     pub status: Status,
 }
 

@@ -18,8 +18,8 @@ use super::matrix::{Matrix, distance2};
 use super::neighbours::Finder;
 use super::progress::{Progress, report};
 use super::series::Series;
-use super::statistics::upper_median;
 use super::tree::Neighbour;
+use numerics::upper_median;
 
 pub use straight::StraightPart;
 use straight::straight_part;
@@ -218,7 +218,7 @@ struct Growth<'a> {
     saturation: f64,
     /// Mean logarithms of the distance, over time.
     means: Vec<f64>,
-    /// The same for each block of reference points.
+    /// Curves of each block of reference points.
     blocks: Vec<[f64; BLOCKS]>,
 }
 

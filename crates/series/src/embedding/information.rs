@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::series::Series;
-use crate::statistics::order;
+use numerics::order;
 
 /// Largest number of pairs counted: 32 per cell at the largest number of classes.
 const MOST_PAIRS: usize = 1 << 15;
@@ -109,7 +109,7 @@ impl Classes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// A Gaussian autoregression `x' = φ x + noise` has the information −½ ln(1 − φ^{2 lag}).
     /// Classes lose some of it: 32 of them 2 % at 0.8 nats.

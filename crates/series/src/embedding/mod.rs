@@ -31,7 +31,7 @@ const CURVE_DECORRELATIONS: usize = 6;
 const REPORTED_DELAYS: usize = 3;
 /// A smaller fraction of false neighbours counts as none: Kennel's 1 %.
 pub const NO_FALSE_NEIGHBOURS: f64 = 0.01;
-/// With a larger fraction of false neighbours, columns are missing. Whole states have up to 3 %
+/// Fraction of false neighbours above which columns are missing. Whole states have up to 3 %
 /// where they stick, and x and z of the Lorenz system at 3000 points have 5 %.
 const MANY_FALSE_NEIGHBOURS: f64 = 0.05;
 /// Least number of dimensions considered above a given one. Cao's E1 needs the next one, and its
@@ -53,10 +53,10 @@ pub struct EmbeddingSettings {
     pub theiler: Option<usize>,
 }
 
-/// Where the delay comes from.
+/// Origin of the delay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DelayReason {
-    /// It was given.
+    /// Given by the user.
     Given,
     /// The autocorrelation is below 1/e after one point: the series is like that of a map, and the
     /// delay is 1.
@@ -88,10 +88,10 @@ impl DelayReason {
     }
 }
 
-/// Where the dimension comes from.
+/// Origin of the dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DimensionReason {
-    /// It was given.
+    /// Given by the user.
     Given,
     /// The first at which less than 1 % of the nearest neighbours are false.
     FalseNeighbours,
@@ -129,9 +129,9 @@ pub struct DimensionEvidence {
 pub struct EmbeddingChoice {
     /// Delay and dimension.
     pub embedding: Embedding,
-    /// Where the delay comes from.
+    /// Origin of the delay.
     pub delay_reason: DelayReason,
-    /// Where the dimension comes from.
+    /// Origin of the dimension.
     pub dimension_reason: DimensionReason,
     /// Mutual information in nats over the lag in points, averaged over the columns.
     pub information: Vec<(usize, f64)>,

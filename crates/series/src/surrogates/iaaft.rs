@@ -11,7 +11,7 @@ use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 use crate::error::DataError;
 use crate::series::Series;
-use crate::statistics::{SplitMix, order};
+use numerics::{SplitMix, order};
 
 /// Largest number of iterations for a surrogate. Chosen, to bound the time: the spectrum then
 /// changes by little.
@@ -29,7 +29,7 @@ pub(crate) struct Randomiser {
     backward: Arc<dyn ComplexToReal<f64>>,
 }
 
-/// What all surrogates of a column have in common.
+/// Data that all surrogates of a column share.
 struct Column {
     sorted: Vec<f64>,
     /// Rank of each value; equal values in the order of time.

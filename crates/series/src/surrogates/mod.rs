@@ -46,9 +46,9 @@ pub struct Statistics {
 /// Result of a test against surrogates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurrogateTest {
-    /// Of the series.
+    /// Statistics of the series.
     pub series: Statistics,
-    /// Of the surrogates.
+    /// Statistics of the surrogates.
     pub surrogates: Vec<Statistics>,
     /// Probability to find so small a residual, or a smaller one, in linear noise: `(1 + surrogates
     /// that are not above)/(1 + surrogates)`.

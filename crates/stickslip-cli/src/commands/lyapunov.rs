@@ -9,7 +9,7 @@ use super::arguments::{PreparedRun, RunArguments, time_or};
 use super::figures;
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, within};
-use crate::terminal::with_spinner;
+use output::terminal::with_spinner;
 use stickslip_kernels::file::System;
 
 /// Lyapunov exponents of an orbit, from the equations, through slips, sticks and crossings

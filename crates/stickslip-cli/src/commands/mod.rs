@@ -27,7 +27,7 @@ use std::process::ExitCode;
 
 use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::terminal::finish;
+use output::terminal::finish;
 
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent
 /// points, periodic orbits, Lyapunov spectra, and spectra of measured series
@@ -101,5 +101,12 @@ pub fn main() -> ExitCode {
         Command::Lyapunov(arguments) => lyapunov::run(&arguments),
         Command::Spectrum(arguments) => spectrum::run(&arguments),
     };
-    finish(outcome)
+    match outcome {
+        Ok(answer) => {
+            let failure = answer.failure.as_ref();
+            finish(&answer.text, failure.map(|failure| (failure as _, 1)))
+        }
+        // 2 for a wrong command line or file of a system.
+        Err(failure) => finish("", Some((&failure, if failure.is_usage() { 2 } else { 1 }))),
+    }
 }

@@ -87,7 +87,7 @@ fn range_words(name: &str, low: f64, high: f64) -> String {
 /// A range of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct ParameterRange {
-    /// Its name.
+    /// Name.
     pub(super) name: String,
     /// Lower end.
     pub(super) low: f64,

@@ -13,7 +13,7 @@ use stickslip::{Direction, Error, Mode, Options, TransitionKind};
 use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, stick_width};
 use crate::failure::CommandLine;
 use crate::render::input_name;
-use crate::terminal::{DelayedProgressBar, note};
+use output::terminal::{DelayedProgressBar, note};
 use stickslip_kernels::file::{InputShape, System};
 use stickslip_kernels::kernel::follow;
 use stickslip_kernels::study::{FrictionWatch, StepMonitor};
@@ -36,14 +36,14 @@ const FINENESS: f64 = 1000.0;
 /// A run of as many steps is large.
 const MANY_STEPS: u64 = 1_000_000;
 
-/// What is recorded besides the events.
+/// Items to record besides the events.
 #[derive(Clone, Copy)]
 pub(super) struct Wanted {
     pub(super) figures: bool,
     pub(super) steps: bool,
 }
 
-/// What figures show of an orbit.
+/// Content of the figures of an orbit.
 pub(super) struct Pictures {
     /// Each state against time.
     pub(super) history: Vec<Trace>,
@@ -187,9 +187,9 @@ pub(super) struct Recording {
     pub(super) phases: Vec<Phase>,
     pub(super) transitions: Vec<Occurrence>,
     pub(super) passages: Vec<Passage>,
-    /// What looks wrong with the run.
+    /// Doubts about the run.
     pub(super) doubtful: Vec<String>,
-    /// Where it begins, and where its last step ends.
+    /// Start, and end of the last step.
     pub(super) begin: Moment,
     pub(super) end: Moment,
     /// Time and states at the ends of steps and behind jumps, in one row after the other. Between

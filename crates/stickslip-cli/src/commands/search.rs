@@ -11,7 +11,7 @@ use super::attractors;
 use super::sweeping::check_period;
 use crate::failure::Failure;
 use crate::render::state_words;
-use crate::terminal::with_spinner;
+use output::terminal::with_spinner;
 
 /// Settings of the search for a periodic orbit.
 #[derive(Debug, clap::Args, Serialize)]

@@ -15,7 +15,7 @@ use crate::sweep::{
     BlockError, Computed, Definition, Plan, Share, Store, SweepError, Task, Writer, run,
     write_whole,
 };
-use crate::terminal::DelayedProgressBar;
+use output::terminal::DelayedProgressBar;
 use stickslip_kernels::file::{Source, System, SystemFile};
 use stickslip_kernels::study::MOTION_SEARCH_TIME;
 

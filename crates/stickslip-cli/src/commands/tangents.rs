@@ -3,7 +3,7 @@
 use plot::*;
 use serde_json::{Value, json};
 use stickslip::Side;
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 use stickslip::error::readable;
 
 use super::arguments::{StartArguments, SystemArguments, position};

@@ -192,7 +192,7 @@ impl<'a, R> Table<'a, R> {
         row
     }
 
-    /// As CSV.
+    /// The table as CSV.
     ///
     /// # Errors
     /// [`OutputError::Csv`].
@@ -211,7 +211,7 @@ impl<'a, R> Table<'a, R> {
         })
     }
 
-    /// As JSON, an object for each row.
+    /// The table as JSON, an object for each row.
     pub(crate) fn json(&self, rows: impl IntoIterator<Item = R>) -> Vec<Json> {
         let object = |row: R| {
             let member = |columns: &Columns<'_, R>| {

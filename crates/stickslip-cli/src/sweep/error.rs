@@ -50,7 +50,7 @@ pub enum SweepError {
     BadManifest {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The fault.
         reason: String,
     },
     /// The folder holds another sweep.
@@ -62,9 +62,9 @@ pub enum SweepError {
         folder: PathBuf,
         /// The argument, or the line of the system.
         what: String,
-        /// Its value in the folder.
+        /// Value in the folder.
         old: String,
-        /// Its value now.
+        /// Value now.
         new: String,
     },
     /// A block that belongs to another sweep.
@@ -79,9 +79,9 @@ pub enum SweepError {
     /// A block that is damaged.
     #[error("block {block} in {} is {damage}; the same command recomputes it", folder.display())]
     Damaged {
-        /// Its index.
+        /// Index.
         block: usize,
-        /// What is wrong with it.
+        /// The fault.
         damage: String,
         /// The folder of the sweep.
         folder: PathBuf,
@@ -98,7 +98,7 @@ pub enum SweepError {
     /// No share of this number.
     #[error("`{text}` is no share; write I/N with 1 <= I <= N, such as 3/8")]
     Share {
-        /// What was given.
+        /// Text given.
         text: String,
     },
     /// The threads cannot be started.
@@ -125,9 +125,9 @@ pub enum SweepError {
         second: PathBuf,
         /// The argument, or the line of the system.
         what: String,
-        /// Its value in the first.
+        /// Value in the first.
         one: String,
-        /// Its value in the second.
+        /// Value in the second.
         two: String,
     },
     /// Nothing to merge.
@@ -156,7 +156,7 @@ pub enum SweepError {
     #[error("block {block} in {} is not the one in {}; one of the two was not made by this program \
         on these arguments: find out which, and delete it", one.display(), other.display())]
     Overlap {
-        /// Its index.
+        /// Index.
         block: usize,
         /// A folder that has it.
         one: PathBuf,

@@ -32,7 +32,7 @@ const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));
 pub struct Plan {
     format: u32,
     program: String,
-    /// What is computed, such as `basin`.
+    /// Computation, such as `basin`.
     pub command: String,
     /// Every argument that a block depends on, by name.
     pub arguments: BTreeMap<String, Value>,

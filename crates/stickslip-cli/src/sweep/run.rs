@@ -11,12 +11,12 @@ use super::error::{BlockError, SweepError};
 use super::plan::{Plan, Share};
 use super::store::{Store, Writer};
 
-/// What to compute, and where to store it.
+/// A computation and the place to store it.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
     /// The sweep.
     pub plan: &'a Plan,
-    /// Its folder, created if missing.
+    /// Folder, created if missing.
     pub folder: &'a Path,
     /// The share to compute.
     pub share: Share,

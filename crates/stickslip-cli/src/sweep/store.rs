@@ -390,7 +390,7 @@ pub fn write_whole<E: From<SweepError>>(
     Ok(placed.map_err(failed)?)
 }
 
-/// As [`write_whole`], but an existing file stays: the first process to finish has written it.
+/// [`write_whole`], except that an existing file stays: the first process to finish has written it.
 ///
 /// # Errors
 /// [`SweepError::Write`].

@@ -108,7 +108,7 @@ impl Read for ProgressReader<'_> {
     }
 }
 
-/// As [`read`], from the content of a file.
+/// [`read`] from the content of a file.
 ///
 /// # Errors
 /// As [`read`].

@@ -1,6 +1,6 @@
 //! The time between two rows: determined from a column, or compared with one.
 
-use stickslip_series::statistics::middle_two;
+use numerics::middle_two;
 
 /// Relative deviation from `dt` that time steps may have. Times are often printed with three
 /// digits.

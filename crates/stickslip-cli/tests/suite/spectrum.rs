@@ -4,10 +4,10 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use numerics::SplitMix;
 use predicates::prelude::*;
 use predicates::str::{contains, starts_with};
 use stickslip::math;
-use stickslip::statistics::SplitMix;
 
 fn program() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 
 use assert_cmd::Command;
+use numerics::SplitMix;
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
-use stickslip::statistics::SplitMix;
 
 fn program(arguments: &[&str], text: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));

@@ -23,7 +23,7 @@ impl Id {
 /// A constant part of an expression is not a finite number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NotANumber {
-    /// Its value: infinite or NaN.
+    /// Value: infinite or NaN.
     pub value: f64,
 }
 

@@ -32,7 +32,7 @@ use std::ops::Range;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct SyntaxError {
-    /// What is wrong.
+    /// The fault.
     pub message: String,
     /// A suggested replacement, if there is one.
     pub help: Option<String>,

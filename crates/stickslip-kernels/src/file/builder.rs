@@ -13,7 +13,7 @@ use crate::expression::{
 };
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
-/// What may occur in an expression.
+/// Names that may occur in an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Scope {
     /// Time, states and the sides of contacts.
@@ -72,7 +72,7 @@ impl<'a> Inputs<'a> {
             .position(|free| *free == parameter)
     }
 
-    /// The same with another time scale.
+    /// Scope with another time scale.
     pub(super) fn paced(self, pace: Option<Id>) -> Self {
         Inputs { pace, ..self }
     }

@@ -2,7 +2,7 @@
 //! options are written as the interface writes them.
 
 use stickslip::Error;
-use stickslip::error::{Point, pile_up_in_words, readable};
+use stickslip::error::{ContactFault, Point, pile_up_in_words, readable};
 
 use super::System;
 
@@ -22,10 +22,6 @@ pub trait Interface {
         let name = |contact: usize| match system.map(|system| system.contact_name(contact)) {
             Some(name) if !name.is_empty() => format!("`{name}`"),
             _ => contact.to_string(),
-        };
-        let names = |contacts: &[usize]| {
-            let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
-            names.join(", ")
         };
         let at = |t: &f64, x: &Point| format!("at t = {}, x = {x}", readable(*t));
         match error {
@@ -50,81 +46,12 @@ pub trait Interface {
                 };
                 format!(
                     "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}{help}",
-                    names(contacts),
+                    names(contacts, &name),
                     readable(*t),
                     pile_up_in_words(accumulation.as_deref(), *span, &rest)
                 )
             }
-            Error::NoUniqueMode {
-                t,
-                x,
-                contacts,
-                candidates,
-            } => {
-                let motions = match candidates.len() {
-                    0 => "no motion that follows is consistent with the friction at all of them"
-                        .to_owned(),
-                    count => {
-                        let motions = candidates.join(" or ");
-                        let motions = motions.replace("Slip(Below)", "slip below");
-                        let motions = motions.replace("Slip(Above)", "slip above");
-                        let motions = motions.replace("Stick", "stick");
-                        format!("{count} motions that follow are consistent: {motions}")
-                    }
-                };
-                format!(
-                    "the contacts {} stand at zero {}, and {motions}; friction there may push \
-                     apart, or one contact's force act on another too strongly: look at the field \
-                     with each of them on either side ({} has no effect with several contacts)",
-                    names(contacts),
-                    at(t, x),
-                    self.name("at_repelling")
-                )
-            }
-            Error::TooManyContacts { t, x, contacts } => format!(
-                "the contacts {} stand at zero together {}: more than eight are too many to try \
-                 where friction at one does not resist all of them as Coulomb's does; move their \
-                 boundaries apart, or write their friction without coupling",
-                names(contacts),
-                at(t, x)
-            ),
-            Error::DependentContacts { t, x, contacts } => format!(
-                "the boundaries of the contacts {} have gradients {} that are zero or depend on \
-                 each other; each contact needs a boundary of its own",
-                names(contacts),
-                at(t, x)
-            ),
-            Error::StaticBelowKinetic {
-                t,
-                x,
-                contact,
-                ratio,
-            } => format!(
-                "the static friction of the contact {} {} is {} times the kinetic; it must be at \
-                 least as large: raise it, or lower friction in slip where the slip begins",
-                name(*contact),
-                at(t, x),
-                readable(*ratio)
-            ),
-            Error::HoldsElsewhere {
-                t,
-                x,
-                held,
-                slipping,
-            } => format!(
-                "with the contact {} at rest {}, its static friction changes the friction of the \
-                 contact {}, which slips; only contacts at rest have static friction",
-                name(*held),
-                at(t, x),
-                name(*slipping)
-            ),
-            Error::NotAdditive { t, x, pair } => format!(
-                "the friction of the contacts {} and {} does not add {}: what one does depends on \
-                 the side of the other; each contact's friction must depend on its own side only",
-                name(pair.0),
-                name(pair.1),
-                at(t, x)
-            ),
+            Error::Contacts { t, x, fault } => contacts_in_words(self, fault, (&name, &at(t, x))),
             Error::StartOutsideDomain { t, x, .. } => {
                 match system.and_then(|system| system.undefined_in_field(*t, &x.0)) {
                     Some(part) => format!(
@@ -165,4 +92,80 @@ pub trait Interface {
             other => other.to_string(),
         }
     }
+}
+
+/// A fault of contacts in words, with their names and the place of the run.
+fn contacts_in_words(
+    interface: &(impl Interface + ?Sized),
+    fault: &ContactFault,
+    (name, at): (&dyn Fn(usize) -> String, &str),
+) -> String {
+    let names = |contacts: &[usize]| names(contacts, name);
+    match fault {
+        ContactFault::NoUniqueMode {
+            contacts,
+            candidates,
+        } => {
+            let motions = match candidates.len() {
+                0 => "no motion that follows is consistent with the friction at all of them"
+                    .to_owned(),
+                count => {
+                    let motions = candidates.join(" or ");
+                    let motions = motions.replace("Slip(Below)", "slip below");
+                    let motions = motions.replace("Slip(Above)", "slip above");
+                    let motions = motions.replace("Stick", "stick");
+                    format!("{count} motions that follow are consistent: {motions}")
+                }
+            };
+            format!(
+                "the contacts {} stand at zero {}, and {motions}; friction there may push \
+                 apart, or one contact's force act on another too strongly: look at the field \
+                 with each of them on either side ({} has no effect with several contacts)",
+                names(contacts),
+                at,
+                interface.name("at_repelling")
+            )
+        }
+        ContactFault::TooManyContacts { contacts } => format!(
+            "the contacts {} stand at zero together {}: more than eight are too many to try \
+             where friction at one does not resist all of them as Coulomb's does; move their \
+             boundaries apart, or write their friction without coupling",
+            names(contacts),
+            at
+        ),
+        ContactFault::DependentContacts { contacts } => format!(
+            "the boundaries of the contacts {} have gradients {} that are zero or depend on \
+             each other; each contact needs a boundary of its own",
+            names(contacts),
+            at
+        ),
+        ContactFault::StaticBelowKinetic { contact, ratio } => format!(
+            "the static friction of the contact {} {} is {} times the kinetic; it must be at \
+             least as large: raise it, or lower friction in slip where the slip begins",
+            name(*contact),
+            at,
+            readable(*ratio)
+        ),
+        ContactFault::HoldsElsewhere { held, slipping } => format!(
+            "with the contact {} at rest {}, its static friction changes the friction of the \
+             contact {}, which slips; only contacts at rest have static friction",
+            name(*held),
+            at,
+            name(*slipping)
+        ),
+        ContactFault::NotAdditive { pair } => format!(
+            "the friction of the contacts {} and {} does not add {}: what one does depends on \
+             the side of the other; each contact's friction must depend on its own side only",
+            name(pair.0),
+            name(pair.1),
+            at
+        ),
+        other => format!("{other:?} {at}"),
+    }
+}
+
+/// The names of contacts, in a row.
+fn names(contacts: &[usize], name: &dyn Fn(usize) -> String) -> String {
+    let names: Vec<String> = contacts.iter().map(|&contact| name(contact)).collect();
+    names.join(", ")
 }

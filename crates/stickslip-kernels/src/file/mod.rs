@@ -245,9 +245,9 @@ pub enum Rate {
     Same(Formula),
     /// An expression for each side of the only contact.
     BySide {
-        /// Where the boundary function is negative.
+        /// Formula below the boundary.
         below: Formula,
-        /// Where it is positive.
+        /// Formula above the boundary.
         above: Formula,
     },
 }
@@ -391,7 +391,7 @@ impl SystemFile {
         read.map_err(|problem| FileError::wrong(problem, source))
     }
 
-    /// The same system with another section.
+    /// The system with another section.
     ///
     /// # Errors
     /// [`FileError::Wrong`] with the fault of the function.

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use numerics::SplitMix;
 use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
 use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
-use stickslip::statistics::SplitMix;
 use stickslip::{Direction, Scalar};
 
 use super::build::{self, Built};
@@ -43,7 +43,7 @@ pub struct System {
     pub file: Arc<SystemFile>,
     /// Values of the parameters, in the order of the file.
     pub values: Vec<f64>,
-    /// Its equations.
+    /// Equations.
     pub built: Built,
     dynamics: DynamicsRef<'static>,
     interrupt: Option<Arc<Interrupt>>,
@@ -189,7 +189,7 @@ impl System {
         })
     }
 
-    /// The same system with other values of some parameters, by name.
+    /// The system with other values of some parameters, by name.
     ///
     /// # Errors
     /// See [`SystemFile::with`].
@@ -199,7 +199,7 @@ impl System {
         Ok(System::new(file, values, interrupt)?)
     }
 
-    /// The same system with another section.
+    /// The system with another section.
     ///
     /// # Errors
     /// See [`SystemFile::with_section`].
@@ -208,7 +208,7 @@ impl System {
         System::new(file, self.values.clone(), self.interrupt.clone())
     }
 
-    /// The same system, whose orbits end when `interrupt` is raised. This also holds for systems
+    /// The system with orbits that end when `interrupt` is raised. This also holds for systems
     /// derived from it.
     ///
     /// # Errors

@@ -75,7 +75,7 @@ impl<'a> Table<'a> {
             .transpose()
     }
 
-    /// What is made of each entry of a table, which may be missing, with its number.
+    /// Applies a function to each entry of a table, which may be missing, with its number.
     pub(super) fn each<T>(
         &self,
         name: &str,

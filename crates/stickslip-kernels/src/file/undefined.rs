@@ -147,7 +147,7 @@ impl<'a> Evaluation<'a> {
         })
     }
 
-    /// What a part is made of: a definition, the laws of a contact, or operands.
+    /// Components of a part: a definition, the laws of a contact, or operands.
     fn inside(&self, (key, formula, whole): &Part<'a>) -> Vec<Part<'a>> {
         let file = &*self.system.file;
         let meaning = |name: &String| file.names.get(name);

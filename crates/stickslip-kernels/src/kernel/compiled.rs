@@ -11,7 +11,7 @@ use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
-/// What a system has besides its equations.
+/// Parts of a system besides its equations.
 type Extras = (OwnSection, Switching, Option<Arc<Interrupt>>);
 
 /// The dynamics of these equations in the form that the library's analyses take. `None` if there

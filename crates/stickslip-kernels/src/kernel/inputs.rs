@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use numerics::bisect;
 use stickslip::dynamics::Jumps;
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
@@ -205,7 +206,7 @@ impl Input {
             let rate = || self.reading(Dual::new(range, one), &constants).eps;
             if is_clear || Interval::decided(rate).is_some_and(is_apart) {
                 if !is_clear && self.sign(to, x) != sign {
-                    return self.change_between(from, to, x, sign);
+                    return bisect(from, to, |t| self.reading(t, x) * sign <= 0.0);
                 }
                 (from, h) = (to, 2.0 * h);
                 least = CLOCK_ULPS * f64::EPSILON;
@@ -221,21 +222,6 @@ impl Input {
             }
         }
         from
-    }
-
-    /// The sign change between two times, by bisection.
-    fn change_between(&self, mut from: f64, mut to: f64, x: &[f64], sign: f64) -> f64 {
-        loop {
-            let middle = 0.5 * (from + to);
-            if !(middle > from && middle < to) {
-                return to;
-            }
-            if self.reading(middle, x) * sign > 0.0 {
-                from = middle;
-            } else {
-                to = middle;
-            }
-        }
     }
 }
 

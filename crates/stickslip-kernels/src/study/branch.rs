@@ -248,11 +248,11 @@ fn whole(ended: Summary, period: f64) -> Result<Summary, Error> {
 /// A special orbit of a branch, or a bifurcation in which it ends, as a row of a table.
 #[derive(Clone, Debug, Default)]
 pub struct SpecialRow {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// The parameter.
     pub parameter: f64,
-    /// Its uncertainty, if it is known.
+    /// Uncertainty, if it is known.
     pub uncertainty: Option<f64>,
     /// The period, if it is finite and known.
     pub period: Option<f64>,

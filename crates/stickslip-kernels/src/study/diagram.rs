@@ -37,9 +37,9 @@ pub struct Diagram<'a> {
 pub struct AtValue {
     /// Parameter value.
     pub value: f64,
-    /// What the orbit has reached, as [`reported`].
+    /// Attractor of the orbit, as [`reported`].
     pub reached: Attractor,
-    /// Its largest exponent, if it was measured.
+    /// Largest exponent, if it was measured.
     pub largest: Option<Exponent>,
     /// Initial state of the orbit at the next value.
     carried: Vector,

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use numerics::golden_section;
 use stickslip::dynamics::{
     DynamicsRef, OrbitProgress, OrbitUnderWay, Section, Step, Summary, Vector,
 };
@@ -20,10 +21,7 @@ pub(super) fn time_in(step: &Step, part: u32) -> f64 {
 
 /// Number of golden sections of the interval around an extremum. They shrink it to 4e-9 of its
 /// length, where the value is accurate to rounding.
-const GOLDEN_SECTIONS: usize = 40;
-
-/// The golden ratio minus 1.
-const INVERSE_GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
+const GOLDEN_SECTIONS: u32 = 40;
 
 /// Minimum and maximum of every state along a run, also between the ends of steps, and its end.
 ///
@@ -57,30 +55,10 @@ fn widen(ranges: &mut [(f64, f64)], step: &Step, solution: &dyn Fn(f64) -> Vecto
                 if next.1 > best.1 { next } else { best }
             });
             let around = (at(k.saturating_sub(1)), at((k + 1).min(PARTS_PER_STEP)));
-            let height = |t: f64| sign * solution(t)[i];
-            let value = sign * greatest(&height, around).max(highest);
+            let depth = |t: f64| -sign * solution(t)[i];
+            let lowest = golden_section(around.0, around.1, GOLDEN_SECTIONS, depth);
+            let value = sign * highest.max(-lowest);
             (*low, *high) = (low.min(value), high.max(value));
         }
     }
-}
-
-/// Maximum of a function that has a single local maximum in an interval.
-fn greatest(function: &impl Fn(f64) -> f64, (mut a, mut b): (f64, f64)) -> f64 {
-    let (mut c, mut d) = (
-        b - INVERSE_GOLDEN_RATIO * (b - a),
-        a + INVERSE_GOLDEN_RATIO * (b - a),
-    );
-    let (mut at_c, mut at_d) = (function(c), function(d));
-    for _ in 0..GOLDEN_SECTIONS {
-        if at_c > at_d {
-            (b, d, at_d) = (d, c, at_c);
-            c = b - INVERSE_GOLDEN_RATIO * (b - a);
-            at_c = function(c);
-        } else {
-            (a, c, at_c) = (c, d, at_d);
-            d = a + INVERSE_GOLDEN_RATIO * (b - a);
-            at_d = function(d);
-        }
-    }
-    at_c.max(at_d)
 }

@@ -3,7 +3,7 @@
 use stickslip::Error;
 use stickslip::analysis::{Attractor, AttractorKind};
 
-/// What an orbit has reached, in the form that results hold and files store. The error of a failed
+/// Attractor of an orbit, in the form that results hold and files store. The error of a failed
 /// run is in the words of `describe`. Motions that points do not distinguish have no points and no
 /// phases.
 pub fn reported(reached: Attractor, describe: impl FnOnce(&Error) -> String) -> Attractor {

@@ -54,9 +54,9 @@ pub enum SearchError {
     /// A setting is not allowed.
     #[error("{name} = {value}: it must be {BOUND_OF_TIMES}")]
     Setting {
-        /// Its name.
+        /// Name.
         name: &'static str,
-        /// Its value.
+        /// Value.
         value: f64,
     },
     /// The period of the drive is not known.
@@ -101,7 +101,7 @@ pub enum SearchError {
     Failed(#[from] Error),
 }
 
-/// What the times of a search must be.
+/// Bound of the times of a search, in words.
 pub const BOUND_OF_TIMES: &str = "finite and not negative";
 
 pub(super) fn check_time(name: &'static str, value: f64) -> Result<(), SearchError> {

@@ -7,7 +7,8 @@
 //! at which the two fields approach Σ are functions of one variable. Where one rate vanishes, a
 //! field is tangent to Σ. Where both fields point towards Σ, the contact sticks.
 
-use stickslip::analysis::Visibility;
+use numerics::bisect;
+use stickslip::Visibility;
 use stickslip::scalar::Dual;
 use stickslip::{Scalar, Side};
 
@@ -21,9 +22,6 @@ const LINE_INTERVALS: usize = 2000;
 /// Number of intervals in the window of the solved state. It is chosen: two branches within one of
 /// them may be missed.
 const WINDOW_INTERVALS: usize = 64;
-
-/// Number of bisections of an interval, down to the rounding of its ends.
-const BISECTIONS: usize = 52;
 
 /// Values of the solved state count as equal if they differ by less than this, relative to their
 /// size and the window. It is the square root of rounding, as at a turning point.
@@ -55,7 +53,7 @@ pub struct BoundaryLine {
     pub path: Vec<LinePoint>,
 }
 
-/// Where a field is tangent to the boundary.
+/// Point at which a field is tangent to the boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TangentPoint {
     /// State.
@@ -232,14 +230,14 @@ impl BoundaryLine {
                 points.push(at);
                 continue;
             }
-            let (seen, mut beyond) = (at, s);
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (at[0] + beyond);
-                match next(at, middle) {
-                    Some(there) => at = there,
-                    None => beyond = middle,
+            let seen = at;
+            bisect(seen[0], s, |middle| match next(at, middle) {
+                Some(there) => {
+                    at = there;
+                    false
                 }
-            }
+                None => true,
+            });
             points.extend((at != seen).then_some(at));
             break;
         }
@@ -396,16 +394,11 @@ impl BoundaryLine {
         side: usize,
         sampled: &[(f64, [f64; 2])],
     ) -> Vec<f64> {
-        let root = |((mut a, rate_at_a), (mut b, _)): ((f64, f64), (f64, f64))| {
-            for _ in 0..BISECTIONS {
-                let middle = 0.5 * (a + b);
-                match self.rates(system, fields, middle) {
-                    Some(rates) if rates[side] == 0.0 => return middle,
-                    Some(rates) if rates[side] * rate_at_a > 0.0 => a = middle,
-                    _ => b = middle,
-                }
-            }
-            b
+        let root = |((a, rate_at_a), (b, _)): ((f64, f64), (f64, f64))| {
+            bisect(a, b, |s| {
+                let rates = self.rates(system, fields, s);
+                rates.is_none_or(|rates| rates[side] * rate_at_a <= 0.0)
+            })
         };
         let rates = sampled.iter().map(|(s, rates)| (*s, rates[side]));
         let rates: Vec<(f64, f64)> = rates.filter(|(_, rate)| *rate != 0.0).collect();

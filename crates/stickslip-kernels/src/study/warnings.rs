@@ -1,6 +1,6 @@
 //! Warnings about a system that can run, but is probably not what was meant.
 
-use stickslip::error::{Point, readable};
+use stickslip::error::{ContactFault, Point, readable};
 use stickslip::{Direction, Error};
 
 use super::friction::negative_at;
@@ -29,7 +29,8 @@ pub fn warnings(
     }
     if let Some((contacts, x)) = system.dependent_boundaries() {
         let (t, x) = (system.built.t_start, Point(x));
-        let error = Error::DependentContacts { t, x, contacts };
+        let fault = ContactFault::DependentContacts { contacts };
+        let error = Error::Contacts { t, x, fault };
         warnings.push(interface.words(&error, Some(system)));
     }
     warnings

@@ -3,10 +3,10 @@
 
 use std::f64::consts::{PI, TAU};
 
+use numerics::SplitMix;
 use stickslip::{Error, Options, math};
 
 use crate::run::{METHODS, Run, end, options, simulated_by, system};
-use stickslip::statistics::SplitMix;
 
 fn at(tolerance: f64, method: &str) -> Options {
     Options {

@@ -2,10 +2,8 @@
 
 use std::f64::consts::PI;
 
-use stickslip::analysis::{
-    Exponent, SpectrumOptions, Visibility, largest_exponent, lyapunov_spectrum,
-};
-use stickslip::{Method, Options, Side, math};
+use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent, lyapunov_spectrum};
+use stickslip::{Method, Options, Side, Visibility, math};
 use stickslip_kernels::file::SystemFile;
 use stickslip_kernels::study::extremes;
 use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, ZoneKind};

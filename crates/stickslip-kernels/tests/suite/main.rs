@@ -3,6 +3,7 @@
 mod against_compiled;
 mod bad_files;
 mod blocks;
+mod branches;
 mod extremes;
 mod friction;
 mod hybrid;

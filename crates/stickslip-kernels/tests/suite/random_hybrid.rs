@@ -3,8 +3,8 @@
 
 use std::collections::BTreeMap;
 
+use numerics::SplitMix;
 use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
-use stickslip::statistics::SplitMix;
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_kernels::file::System;
 

@@ -79,7 +79,7 @@ pub fn basin<Kind>(
     })
 }
 
-/// As [`basin`], with a callback after each start, on the thread that integrated it. The callback
+/// [`basin`] with a callback after each start, on the thread that integrated it. The callback
 /// may stop the computation; starts left out then have no number.
 ///
 /// # Errors

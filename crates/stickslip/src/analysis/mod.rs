@@ -1,5 +1,5 @@
-//! Analyses of systems and orbits: tangent points, monodromy by saltation, periodic orbits and
-//! their branches, attractors and basins, bifurcations, Lyapunov spectra and classes of motion.
+//! Analyses of systems and orbits: monodromy by saltation, periodic orbits and their branches,
+//! attractors and basins, bifurcations, Lyapunov spectra.
 
 mod attractors;
 mod basin;
@@ -7,17 +7,14 @@ mod bifurcation;
 mod continuation;
 mod critical;
 mod cycle;
-mod destination;
 mod lagrange;
 mod lyapunov;
 mod monodromy;
-pub mod motion;
 mod multipliers;
 mod passages;
 mod periodic;
 mod poincare;
 mod stability;
-mod tangency;
 mod tangent;
 
 pub use attractors::{
@@ -36,7 +33,6 @@ pub use continuation::{
     continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange};
-pub use destination::{Destination, destination};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,
@@ -49,5 +45,4 @@ pub use periodic::{
 };
 pub use poincare::{PoincareMap, Return};
 pub use stability::Stability;
-pub use tangency::{Visibility, tangency, visibility};
 pub use tangent::saltation;

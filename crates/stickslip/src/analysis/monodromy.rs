@@ -93,7 +93,7 @@ pub(super) fn flow_derivative(
 
 /// The derivative of the flow map from a start to the present state of a run.
 pub(super) struct TangentMap {
-    /// Its columns.
+    /// Columns.
     columns: Vec<Vector>,
     stick_entries: usize,
     /// The multiple of the velocity that was removed from each column, if it is removed.

@@ -194,7 +194,7 @@ pub fn find_periodic_orbit<Kind>(
     shortest(system, orbit, None, options)
 }
 
-/// The same periodic orbit with its shortest period. Where a run alternates about the orbit that it
+/// The periodic orbit with its shortest period. Where a run alternates about the orbit that it
 /// approaches, its nearest return comes after a multiple of the period.
 ///
 /// A part of the orbit is an orbit if it closes to within [`PeriodicOrbit::closes_to`]. With a

@@ -12,12 +12,12 @@ const NEUTRAL_DISTANCE: f64 = 1e-6;
 /// The fate of a small deviation from a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stability {
-    /// It dies out: all multipliers are inside the unit circle.
+    /// Dies out: all multipliers are inside the unit circle.
     Stable,
-    /// It stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside.
+    /// Stays, to first order: a multiplier is on the unit circle, to 1e-6, and none outside.
     /// Multipliers of an orbit computed with a tolerance above 1e-12 may be less exact.
     Neutral,
-    /// It grows: a multiplier is outside the unit circle.
+    /// Grows: a multiplier is outside the unit circle.
     Unstable,
 }
 

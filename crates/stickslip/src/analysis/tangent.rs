@@ -45,7 +45,7 @@ pub(crate) struct Jump {
     /// Field after the transition minus field before it; at a map of the state, minus the image of
     /// the latter.
     pub kick: Vector,
-    /// Its determinant: zero on entry into stick.
+    /// Determinant: zero on entry into stick.
     pub determinant: f64,
     /// Gradient of the function that vanishes there.
     pub gradient: Vector,

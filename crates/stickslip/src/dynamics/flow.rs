@@ -134,7 +134,7 @@ where
             let Timed { t, x } = self.view.timed(at);
             return jump.guard(t, components(&x));
         }
-        self.with_flow_of_guards(Value(number, self.view.timed(at)))
+        self.with_flow_of_guards(GuardValue(number, self.view.timed(at)))
     }
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
@@ -151,11 +151,11 @@ where
         if let Some(jump) = self.jump(number) {
             return self.with_flow_of_field(JumpJet(&jump, self.view.timed(at)));
         }
-        self.with_flow_of_guards(Jet(number, self.view.timed(at)))
+        self.with_flow_of_guards(GuardJet(number, self.view.timed(at)))
     }
 
     fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
-        let piece = Piece {
+        let piece = SmoothPiece {
             t: step.t_start,
             x: self.view.timed(&step.start()).x,
             h: step.t_end - step.t_start,
@@ -237,9 +237,9 @@ impl<const N: usize> UseFlow<N> for Guards {
 }
 
 /// The value of a guard.
-struct Value<const N: usize>(usize, Timed<N>);
+struct GuardValue<const N: usize>(usize, Timed<N>);
 
-impl<const N: usize> UseFlow<N> for Value<N> {
+impl<const N: usize> UseFlow<N> for GuardValue<N> {
     type Output = f64;
 
     fn with<F: Flow<N>>(self, flow: &F) -> f64 {
@@ -248,9 +248,9 @@ impl<const N: usize> UseFlow<N> for Value<N> {
 }
 
 /// Value and derivatives in time of a guard.
-struct Jet<const N: usize>(usize, Timed<N>);
+struct GuardJet<const N: usize>(usize, Timed<N>);
 
-impl<const N: usize> UseFlow<N> for Jet<N> {
+impl<const N: usize> UseFlow<N> for GuardJet<N> {
     type Output = [f64; 4];
 
     fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {
@@ -280,7 +280,7 @@ pub(crate) const TANGENT_ERROR: f64 = 100.0;
 const MAX_HALVINGS: u32 = 30;
 
 /// A piece of a step: start and length.
-struct Piece<const N: usize> {
+struct SmoothPiece<const N: usize> {
     t: f64,
     x: State<N>,
     h: f64,
@@ -294,7 +294,7 @@ struct Piece<const N: usize> {
 /// near an equilibrium allows steps of any length. The piece is then halved, up to a given number
 /// of times, until the vector is accurate, too.
 struct Carried<const N: usize> {
-    piece: Piece<N>,
+    piece: SmoothPiece<N>,
     vector: State<N>,
     how: Carrying,
 }
@@ -309,7 +309,7 @@ impl<const N: usize> UseFlow<N> for Carried<N> {
         // step is kept.
         let halvings = match how.method {
             Method::Dop853 | Method::Taylor => MAX_HALVINGS,
-            Method::Dop853Fixed { .. } | Method::Rk4 { .. } => 0,
+            Method::Rk4 { .. } => 0,
         };
         let (_, carried) = match how.method {
             Method::Rk4 { .. } => {
@@ -324,7 +324,7 @@ impl<const N: usize> UseFlow<N> for Carried<N> {
 /// State and vector at the end of the piece, halved up to a given number of times.
 fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
     flow: &F,
-    piece: &Piece<N>,
+    piece: &SmoothPiece<N>,
     vector: &State<N>,
     halvings: u32,
     tolerance: f64,
@@ -360,9 +360,9 @@ fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
         return end;
     }
     let half = 0.5 * piece.h;
-    let first = Piece { h: half, ..*piece };
+    let first = SmoothPiece { h: half, ..*piece };
     let (x, between) = advanced::<M, F, N>(flow, &first, vector, halvings - 1, tolerance);
-    let second = Piece {
+    let second = SmoothPiece {
         t: piece.t + half,
         x,
         ..first

@@ -444,7 +444,7 @@ impl<'d> AsDynamics<AtRunTime> for DynamicsRef<'d> {
 
 /// The components of a state: an array, a slice, or a vector of fixed or run-time length.
 pub trait Components {
-    /// As a vector of run-time length.
+    /// Components as a vector of run-time length.
     fn vector(self) -> Vector;
 }
 

@@ -49,7 +49,7 @@ impl Modes {
         }
     }
 
-    /// The same with another mode of one contact.
+    /// Modes with another mode of one contact.
     #[must_use]
     pub fn with(mut self, contact: usize, mode: Mode) -> Self {
         if contact < self.len() {
@@ -65,7 +65,7 @@ impl Modes {
         self
     }
 
-    /// The same for a phase that a jump ends, by its number from 0.
+    /// Modes of a phase that a jump ends, by its number from 0.
     #[must_use]
     pub fn until(self, jump: Option<usize>) -> Self {
         let number = jump.map_or(0, |jump| jump.saturating_add(1));
@@ -149,7 +149,7 @@ impl<const M: usize> From<[Mode; M]> for Modes {
     }
 }
 
-/// With a single contact its mode can stand for all, whatever ends the phase.
+/// The mode of a single contact can stand for all, whatever ends the phase.
 impl PartialEq<Mode> for Modes {
     fn eq(&self, mode: &Mode) -> bool {
         self.until(None) == Modes::from(*mode)
@@ -163,7 +163,7 @@ impl<const M: usize> PartialEq<[Mode; M]> for Modes {
     }
 }
 
-/// Its letters, then, after `:`, the number of the jump that ends the phase.
+/// Letters, then, after `:`, the number of the jump that ends the phase.
 impl From<Modes> for String {
     fn from(modes: Modes) -> String {
         match modes.jump() {

@@ -114,7 +114,7 @@ where
 pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     view: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
-    /// Of a system with jumps or inputs.
+    /// Search for jumps and kinks, if the system has any.
     jump_search: Option<JumpSearch<'a, S, V, J, N, G>>,
     /// Items to report before the run continues.
     pending: VecDeque<OrbitProgress>,
@@ -191,7 +191,7 @@ where
         }))
     }
 
-    /// What is reported before the integration continues.
+    /// Item to report before the integration continues.
     fn before_step(&mut self) -> Result<Option<OrbitProgress>, Error> {
         if let Some(search) = &self.search
             && let Some(passage) = search.last_events().get(self.reported)

@@ -34,7 +34,7 @@ where
     S: Switched<N, G>,
     J: Jumps<N>,
 {
-    /// With a wrong number of components all become NaN, which every run rejects.
+    /// The state; all NaN if the number of components is wrong, which every run rejects.
     pub(super) fn state(&self, x: &[f64]) -> State<N> {
         let is_right = x.len() == self.states;
         State::from_fn(|i, _| match x.get(i) {
@@ -44,7 +44,7 @@ where
         })
     }
 
-    /// With the held values of inputs at that time.
+    /// The moment with the held values of inputs.
     pub(super) fn timed(&self, at: &Moment) -> Timed<N> {
         let (t, x) = (at.t, self.with_inputs(at.t, self.state(at.x.as_slice())));
         Timed { t, x }

@@ -5,12 +5,12 @@ use super::integration::{Due, Integration, Progress};
 use super::options::AtPileUp;
 use super::pile_up::GeometricSeries;
 use super::switched::Switched;
-use crate::error::Error;
+use crate::error::{ContactFault, Error};
 use crate::ode::{Dense, Timed};
 use crate::orbit::Ending;
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
-    /// What a failed step means: an event that no step resolves, a pile-up or an ending. Otherwise
+    /// Interprets a failed step: an event that no step resolves, a pile-up or an ending. Otherwise
     /// returns the error.
     #[cold]
     pub(super) fn resolve_failure(&mut self, error: Error) -> Result<Due, Error> {
@@ -22,7 +22,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             Error::StepCollapse { .. } | Error::TimeRounding { .. } => {
                 self.pile_up.series_reached_at(t, options)
             }
-            Error::NoUniqueMode { contacts, .. } => self.pile_up.series_of_contacts(t, contacts),
+            Error::Contacts {
+                fault: ContactFault::NoUniqueMode { contacts, .. },
+                ..
+            } => self.pile_up.series_of_contacts(t, contacts),
             _ => None,
         };
         if series.is_some() {
@@ -42,7 +45,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         Err(error)
     }
 
-    /// What follows a pile-up: stick at the accumulation point, an ending, or the error.
+    /// Continuation of a pile-up: stick at the accumulation point, an ending, or the error.
     fn resolve_pile_up(&mut self, series: Option<GeometricSeries<N>>) -> Result<Due, Error> {
         let point = series.as_ref().and_then(|series| {
             let run = &mut self.run;

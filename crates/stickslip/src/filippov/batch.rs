@@ -35,7 +35,7 @@ pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     /// The result of the orbit.
     type Outcome;
 
-    /// Its integration.
+    /// Integration.
     fn integration(&mut self) -> &mut Integration<'a, S, N, G>;
 
     /// Whether the solution over the next step is needed, not only its end.
@@ -66,7 +66,7 @@ struct Queue<K, B> {
     members: Vec<usize>,
 }
 
-/// Where the series of several orbits begin, each in its lane, and their order.
+/// Starts of the series of several orbits, each in its lane, and their order.
 struct SeriesStarts<const N: usize> {
     t: Lanes<LANES>,
     x: [Lanes<LANES>; N],
@@ -225,7 +225,7 @@ where
         }
     }
 
-    /// Where the orbits' series begin.
+    /// Starts of the orbits' series.
     fn begin(&mut self, group: &[usize]) -> Option<SeriesStarts<N>> {
         let mut begin = SeriesStarts {
             t: [0.0; LANES],

@@ -92,7 +92,7 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
                 let outcomes = if options.method == Method::Taylor {
                     let each = starts.iter().zip(&mut observers);
                     let begin = |(start, observer), stepper| {
-                        Member::begin(start, observer, t_end, options, stepper)
+                        ObservedOrbit::begin(start, observer, t_end, options, stepper)
                     };
                     side_by_side(classes(starts).into_iter().zip(each), begin, options)
                 } else {
@@ -117,16 +117,16 @@ pub fn ensemble<S, O, const N: usize, const G: usize>(
     }
 }
 
-type Outcome<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
+type SummaryOrFailure<const N: usize> = Result<Summary<N>, Failure<Summary<N>>>;
 
 /// An orbit under way, and its observer.
-struct Member<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
+struct ObservedOrbit<'a, S: Switched<N, G>, O, const N: usize, const G: usize> {
     integration: Integration<'a, S, N, G>,
     observer: &'a mut O,
 }
 
 impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: usize>
-    Member<'a, S, O, N, G>
+    ObservedOrbit<'a, S, O, N, G>
 {
     /// An orbit at its start, or its outcome if it cannot begin.
     fn begin(
@@ -135,11 +135,11 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
         t_end: f64,
         options: &Options,
         stepper: Stepper<N, G>,
-    ) -> Result<Self, Outcome<N>> {
+    ) -> Result<Self, SummaryOrFailure<N>> {
         let (t, x) = (start.t, start.x);
         let begun =
             Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
-        Ok(Member {
+        Ok(ObservedOrbit {
             integration: begun
                 .map_err(|error| Err(Failure::new(error, Summary::before_first_step(t, x))))?,
             observer,
@@ -147,12 +147,13 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     }
 }
 
-impl<'a, S, O, const N: usize, const G: usize> batch::Member<'a, S, N, G> for Member<'a, S, O, N, G>
+impl<'a, S, O, const N: usize, const G: usize> batch::Member<'a, S, N, G>
+    for ObservedOrbit<'a, S, O, N, G>
 where
     S: Switched<N, G>,
     O: Observer<N, S::Mode>,
 {
-    type Outcome = Outcome<N>;
+    type Outcome = SummaryOrFailure<N>;
 
     fn integration(&mut self) -> &mut Integration<'a, S, N, G> {
         &mut self.integration
@@ -162,7 +163,7 @@ where
         self.observer.watches_steps()
     }
 
-    fn go_on(&mut self) -> Option<Outcome<N>> {
+    fn go_on(&mut self) -> Option<SummaryOrFailure<N>> {
         loop {
             let progress = self.integration.go_on().transpose()?;
             let outcome = notify_of(&mut self.integration, progress, self.observer);

@@ -232,7 +232,7 @@ pub trait Flow<const N: usize> {
         [g.re, g.v1, g.v2, g.v3]
     }
 
-    /// The same of all `G` guards.
+    /// Jets of all `G` guards.
     fn jets<const G: usize>(&self, t: f64, x: &State<N>) -> [[f64; 4]; G] {
         let path = self.path(t, x);
         let guards = self.field_and_guards(path.0, &path.1).1;

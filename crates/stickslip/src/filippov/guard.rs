@@ -3,7 +3,7 @@
 use super::scan::{Bracket, NARROWEST_INTERVAL, first_bracket, zero_in};
 use crate::ode::Timed;
 
-/// Where a guard reaches zero first.
+/// First zero of a guard.
 #[derive(Clone, Copy, Debug)]
 pub struct Event<const N: usize> {
     pub guard: usize,
@@ -97,7 +97,7 @@ pub(crate) fn first_event<E, const N: usize>(
     None
 }
 
-/// What a zero of a guard is.
+/// Kind of a zero of a guard.
 pub(crate) enum ZeroKind<const N: usize> {
     /// The guard passes through zero.
     Exit,

@@ -6,7 +6,7 @@ use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
 use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
-use super::run::{Run, Trial};
+use super::run::{StepState, Trial};
 use super::stepper::{Stepper, Work};
 use super::switched::{IsDriven, Next, Settled, StickingPoint, Switched, UseFlow};
 use crate::error::Error;
@@ -15,7 +15,7 @@ use crate::orbit::{Counters, Ending, Summary};
 use crate::system::{IntoState, Mode, State};
 use crate::taylor::recorded_calls::RecordedCalls;
 
-/// What happened in an integration; see [`Integration::step`].
+/// Progress of an integration; see [`Integration::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress<const N: usize, K = Mode> {
     /// A step was taken: [`Integration::last_step`].
@@ -54,10 +54,10 @@ pub enum Progress<const N: usize, K = Mode> {
 /// ```
 pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = GUARDS> {
     pub(super) system: &'a S,
-    pub(super) run: Run<N, G>,
+    pub(super) run: StepState<N, G>,
     pub(super) stepper: Stepper<N, G>,
     pub(super) mode: S::Mode,
-    /// What decides the flow besides the mode.
+    /// Choice of the flow besides the mode.
     pub(super) branch: S::Branch,
     /// The last step's mode.
     pub(super) last_mode: S::Mode,
@@ -75,7 +75,7 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) is_stopping: bool,
 }
 
-/// What the next call of [`Integration::step`] begins with.
+/// First task of the next call of [`Integration::step`].
 #[derive(Clone, Copy)]
 pub(super) enum Due {
     /// The first step of a phase, or of its continuation after an event that does not end it.
@@ -127,7 +127,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
         system.check(&start, t_end, options)?;
-        let mut run = Run::new((start, states), t_end, options)?;
+        let mut run = StepState::new((start, states), t_end, options)?;
         let (mode, due) = match system.first_mode(&mut run)? {
             Next::Mode(mode, orders) => {
                 run.orders = orders;
@@ -152,7 +152,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         options: &Options,
     ) -> Result<Self, Error> {
         system.check(&start.0, t_end, options)?;
-        let mut run = Run::new(start, t_end, options)?;
+        let mut run = StepState::new(start, t_end, options)?;
         run.is_prescribed = true;
         let stepper = Stepper::new(options);
         Ok(Self::begun(system, run, stepper, (mode, inside)))
@@ -161,7 +161,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// An integration in a mode, before its first step.
     fn begun(
         system: &'a S,
-        run: Run<N, G>,
+        run: StepState<N, G>,
         stepper: Stepper<N, G>,
         (mode, inside): (S::Mode, &Timed<N>),
     ) -> Self {
@@ -188,9 +188,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// # Errors
     /// [`Error::NonFinite`], [`Error::StepCollapse`], [`Error::EventPileUp`],
     /// [`Error::BranchPileUp`], [`Error::TooMany`] and [`Error::Escaped`];
-    /// [`Error::StaticBelowKinetic`]; of several contacts [`Error::NoUniqueMode`],
-    /// [`Error::TooManyContacts`], [`Error::DependentContacts`], [`Error::HoldsElsewhere`] and
-    /// [`Error::NotAdditive`]. The integration stays at the last state.
+    /// [`Error::Contacts`]. The integration stays at the last state.
     #[inline]
     pub fn step(&mut self) -> Result<Progress<N, S::Mode>, Error> {
         loop {
@@ -458,7 +456,7 @@ struct OnFlow<'a, const N: usize, const G: usize> {
     work: Work,
     repeated: Option<&'a mut RecordedCalls<N, G>>,
     stepper: &'a mut Stepper<N, G>,
-    run: &'a mut Run<N, G>,
+    run: &'a mut StepState<N, G>,
 }
 
 impl<const N: usize, const G: usize> UseFlow<N> for OnFlow<'_, N, G> {

@@ -34,14 +34,13 @@ pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
 pub(crate) use flow::{Flow, gradient, seeded};
-pub use flow::{boundary_gradient, normal_component, sliding_field};
+pub use flow::{boundary_gradient, normal_component};
 pub use integration::{Integration, Progress};
 pub use observer::{
     Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
 };
 pub(crate) use options::MIN_TOLERANCE;
 pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
-pub(crate) use rules::LieDerivatives;
 pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;

@@ -40,7 +40,7 @@ impl<X, K> PhaseOf<X, K> {
     }
 }
 
-/// What happened at a transition.
+/// Kind of a transition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TransitionKind {
@@ -64,7 +64,7 @@ pub enum TransitionKind {
 }
 
 impl TransitionKind {
-    /// Its name, for tables.
+    /// Name, for tables.
     pub fn name(self) -> &'static str {
         match self {
             TransitionKind::Crossing => "crossing",
@@ -99,7 +99,7 @@ pub struct TransitionOf<X, K> {
     pub t: f64,
     /// State, on Σ.
     pub x: X,
-    /// What happened.
+    /// Kind of the transition.
     pub kind: TransitionKind,
     /// Mode before.
     pub from: K,

@@ -13,13 +13,13 @@ use super::rules::{
     Departure, Fate, LeadingDerivative, LieDerivatives, Visibility, WithStaticFriction, departure,
     departure_by, on_boundary,
 };
-use super::run::Run;
+use super::run::StepState;
 use super::switched::{Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes};
 use super::two_fold::two_fold;
 use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;
 use crate::dynamics::Modes;
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error};
 use crate::ode::{Linear, Timed};
 use crate::orbit::Ending;
 use crate::scalar::Scalar;
@@ -66,7 +66,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     /// Off Σ the side decides. On Σ, to rounding, the rules decide.
-    fn first_mode(&self, run: &mut Run<N, GUARDS>) -> Result<Next<Mode, GUARDS>, Error> {
+    fn first_mode(&self, run: &mut StepState<N, GUARDS>) -> Result<Next<Mode, GUARDS>, Error> {
         let Timed { t, x } = &run.at;
         let h = self.boundary(*t, components(x));
         let side = if h < 0.0 { Side::Below } else { Side::Above };
@@ -90,7 +90,7 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 
     fn switch(
         &self,
-        run: &mut Run<N, GUARDS>,
+        run: &mut StepState<N, GUARDS>,
         from: Mode,
         _branch: &mut f64,
         event: &Event<N>,
@@ -117,17 +117,17 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         next(self, run, tangent)
     }
 
-    fn guard_at_collapse(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<usize> {
+    fn guard_at_collapse(&self, run: &StepState<N, GUARDS>, mode: Mode) -> Option<usize> {
         (mode == Mode::Stick && two_fold(self, run, mode).is_some()).then_some(0)
     }
 
-    fn ending_of_pile_up(&self, run: &Run<N, GUARDS>, mode: Mode) -> Option<Ending> {
+    fn ending_of_pile_up(&self, run: &StepState<N, GUARDS>, mode: Mode) -> Option<Ending> {
         two_fold(self, run, mode).map(Ending::TwoFold)
     }
 
     fn stick_at_accumulation(
         &self,
-        run: &mut Run<N, GUARDS>,
+        run: &mut StepState<N, GUARDS>,
         _mode: Mode,
         _contacts: &[usize],
         at: &Timed<N>,
@@ -263,11 +263,11 @@ fn static_over_kinetic<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>
     at_rest / apart([&fields[0].1, &fields[1].1])
 }
 
-/// What follows a point of Σ. `tangent` names the side whose normal component, by the holding
+/// Continuation from a point of Σ. `tangent` names the side whose normal component, by the holding
 /// fields, is known to vanish: a stick phase has just ended there.
 fn next<S: Filippov<N>, const N: usize>(
     system: &S,
-    run: &mut Run<N, GUARDS>,
+    run: &mut StepState<N, GUARDS>,
     tangent: Option<Side>,
 ) -> Result<Next<Mode, GUARDS>, Error> {
     let Departure { fate, orders } = departure_at(system, run, tangent)?;
@@ -288,7 +288,7 @@ fn next<S: Filippov<N>, const N: usize>(
 /// The fate of a point of Σ.
 fn departure_at<S: Filippov<N>, const N: usize>(
     system: &S,
-    run: &mut Run<N, GUARDS>,
+    run: &mut StepState<N, GUARDS>,
     tangent: Option<Side>,
 ) -> Result<Departure, Error> {
     let (at, slack, calls) = (run.at, run.slack(), &mut run.counters.field_calls);
@@ -296,12 +296,9 @@ fn departure_at<S: Filippov<N>, const N: usize>(
     if ratio == 1.0 {
         return Ok(departure_by(system, (&at, slack), tangent, calls));
     }
-    let Timed { t, x } = at;
-    let too_weak = |ratio| Error::StaticBelowKinetic {
-        t,
-        x: Point::from(&x),
-        contact: 0,
-        ratio,
+    let too_weak = |ratio| {
+        let contact = 0;
+        Error::at_contacts(&at, ContactFault::StaticBelowKinetic { contact, ratio })
     };
     if ratio < 1.0 - RELATIVE_ROUNDING {
         return Err(too_weak(ratio));

@@ -8,11 +8,6 @@ use crate::ode::Tolerance;
 pub enum Method {
     /// Order 8 with adaptive steps ([`crate::ode::Dop853`]); the default.
     Dop853,
-    /// Order 8 with a fixed step (between events), for convergence studies.
-    Dop853Fixed {
-        /// Step length.
-        step: f64,
-    },
     /// Taylor series of the solution with adaptive steps; the order follows from the tolerance. The
     /// fastest method for errors of 1e-9 and less.
     ///
@@ -55,7 +50,7 @@ pub enum Locator {
     RootSearch,
 }
 
-/// What to do where the future is not unique. This is where Σ repels (both fields lead away), and
+/// Behaviour where the future is not unique. This is where Σ repels (both fields lead away), and
 /// at a two-fold (both fields are tangent to Σ) that the orbit slides into. At a two-fold a side is
 /// chosen if its field is visible there; otherwise the run continues by the rules. With several
 /// contacts ([`crate::Several`]) nothing is chosen: the run ends with an error.
@@ -70,7 +65,7 @@ pub enum AtRepelling {
     GoAbove,
 }
 
-/// What to do where infinitely many transitions accumulate in finite time (Zeno).
+/// Behaviour where infinitely many transitions accumulate in finite time (Zeno).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum AtPileUp {
     /// End there, with [`crate::Error::EventPileUp`] or, at a two-fold of one contact, with
@@ -115,9 +110,9 @@ pub struct Options {
     /// Largest component (by size) that the state may have; beyond it the run ends with
     /// [`Error::Escaped`]. Default unbounded.
     pub escape: f64,
-    /// What to do where Σ repels; default stop.
+    /// Behaviour where Σ repels; default stop.
     pub at_repelling: AtRepelling,
-    /// What to do where transitions accumulate; default stop.
+    /// Behaviour where transitions accumulate; default stop.
     pub at_pile_up: AtPileUp,
     /// A contact with Σ that reaches no deeper than this many tolerances is a touch, not a pair of
     /// crossings. The solution itself is not more accurate. Default 10.
@@ -135,7 +130,7 @@ pub struct Options {
     pub pile_up_span: f64,
     /// A run with more transitions than this ends with [`Error::TooMany`]; default 10⁷.
     pub most_events: u64,
-    /// The same with more steps; default 10⁹.
+    /// Largest number of steps; default 10⁹.
     pub most_steps: u64,
 }
 
@@ -177,19 +172,19 @@ impl Options {
         }
     }
 
-    /// With this integrator.
+    /// Sets the integrator.
     #[must_use]
     pub fn method(self, method: Method) -> Self {
         Options { method, ..self }
     }
 
-    /// With this event location.
+    /// Sets the event location.
     #[must_use]
     pub fn locator(self, locator: Locator) -> Self {
         Options { locator, ..self }
     }
 
-    /// With this bound on the components of the state.
+    /// Sets the bound on the components of the state.
     #[must_use]
     pub fn escape(self, bound: f64) -> Self {
         Options {
@@ -198,7 +193,7 @@ impl Options {
         }
     }
 
-    /// With steps no longer than this.
+    /// Sets the longest step.
     #[must_use]
     pub fn longest_step(self, step: f64) -> Self {
         Options {
@@ -207,7 +202,7 @@ impl Options {
         }
     }
 
-    /// With this choice where Σ repels.
+    /// Sets the choice where Σ repels.
     #[must_use]
     pub fn at_repelling(self, choice: AtRepelling) -> Self {
         Options {
@@ -216,7 +211,7 @@ impl Options {
         }
     }
 
-    /// With this choice where transitions accumulate.
+    /// Sets the choice where transitions accumulate.
     #[must_use]
     pub fn at_pile_up(self, choice: AtPileUp) -> Self {
         Options {
@@ -237,7 +232,7 @@ impl Options {
     pub(crate) fn fixed_step(&self) -> Option<f64> {
         match self.method {
             Method::Dop853 | Method::Taylor => None,
-            Method::Dop853Fixed { step } | Method::Rk4 { step } => Some(step),
+            Method::Rk4 { step } => Some(step),
         }
     }
 

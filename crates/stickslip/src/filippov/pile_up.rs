@@ -5,7 +5,7 @@
 //! durations are a geometric series, and Aitken's extrapolation gives its limit.
 
 use super::options::Options;
-use super::run::{Run, TIME_ROUNDING};
+use super::run::{StepState, TIME_ROUNDING};
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
 use crate::system::State;
@@ -92,7 +92,7 @@ struct Half {
 
 /// The geometric series that the last transitions form.
 pub struct GeometricSeries<const N: usize> {
-    /// Where it accumulates.
+    /// Accumulation point.
     pub at: Timed<N>,
     /// Uncertainty of that time.
     pub uncertainty: f64,
@@ -162,7 +162,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
 
     /// Follows the motion over the last step of a run.
     #[inline]
-    pub(crate) fn follow<const G: usize>(&mut self, run: &Run<N, G>) {
+    pub(crate) fn follow<const G: usize>(&mut self, run: &StepState<N, G>) {
         let ((start, end), options) = (&run.last, &run.options);
         let from = self.nth_last(0).at.x;
         let reached = |extent: f64, (i, x): (usize, f64)| {

@@ -57,7 +57,7 @@ pub(crate) struct LieDerivatives {
 }
 
 impl LieDerivatives {
-    /// Of the boundary function along `side`'s field at `(t, x)`.
+    /// Derivatives of the boundary function along `side`'s field at `(t, x)`.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,
@@ -366,7 +366,7 @@ pub(crate) fn departure_by<S: Filippov<N>, const N: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// A boundary that moves, and a field that is tangent to it at times.
     struct Moving;

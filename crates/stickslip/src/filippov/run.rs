@@ -32,7 +32,7 @@ const ROOTS: RangeInclusive<f64> = 0.1..=0.91;
 const SAME_LAW: f64 = 0.05;
 
 /// The state of a run between steps of any method.
-pub struct Run<const N: usize, const G: usize> {
+pub struct StepState<const N: usize, const G: usize> {
     pub options: Options,
     /// Number of states of the system; the type may have more.
     pub states: usize,
@@ -42,15 +42,15 @@ pub struct Run<const N: usize, const G: usize> {
     /// Next step length to try; 0 until the first is chosen. It is kept over events: the new field
     /// is usually as fast as the old one, and error control corrects the rest.
     pub h: f64,
-    /// Where the phase under way began.
+    /// Start of the present phase.
     pub from: Timed<N>,
-    /// Where the last step ended.
+    /// End of the last step.
     pub at: Timed<N>,
     /// For each guard that has not left its last zero, the number of derivatives that vanish there;
     /// 0 for the others.
     pub orders: [usize; G],
-    /// Start and end of the last step, and the solution over it. [`Run::at`] differs from the end
-    /// when a stick phase begins on Σ.
+    /// Start and end of the last step, and the solution over it. [`StepState::at`] differs from the
+    /// end when a stick phase begins on Σ.
     pub last: (Timed<N>, Timed<N>),
     pub dense: Dense<N>,
     /// Whether the previous step's dense output was used. Then the next step makes it at once, and
@@ -65,7 +65,7 @@ pub struct Run<const N: usize, const G: usize> {
 /// Result of an attempt to step.
 #[derive(Clone, Copy)]
 pub enum Trial {
-    /// It was only prepared, or rejected: another attempt follows.
+    /// Only prepared, or rejected: another attempt follows.
     NoStep,
     /// A step was taken, the run's last one now.
     Step,
@@ -73,7 +73,7 @@ pub enum Trial {
     Event,
 }
 
-impl<const N: usize, const G: usize> Run<N, G> {
+impl<const N: usize, const G: usize> StepState<N, G> {
     /// A run that has not begun, of a system with that number of states.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl<const N: usize, const G: usize> Run<N, G> {
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        let run = Run {
+        let run = StepState {
             options: *options,
             states,
             counters: Counters::default(),

@@ -7,7 +7,7 @@ use super::flow::Flow;
 use super::guard::{Event, first_event};
 use super::locate::{DenseGuard, Limits, Origin, StepMethod};
 use super::options::Locator;
-use super::run::{Run, Trial};
+use super::run::{StepState, Trial};
 use super::scan::{BoundsBudget, is_defined};
 use super::uncertainty::uncertainty;
 use crate::error::Error;
@@ -45,7 +45,7 @@ impl<const N: usize> RungeKuttaStepper<N> {
     /// Makes the dense output of the last step, if there is none, by repeating the step.
     pub(crate) fn complete<M: RungeKutta, F: Flow<N>, const G: usize>(
         &mut self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
     ) {
         let Some((slope, h)) = self.without_dense.take() else {
@@ -60,7 +60,7 @@ impl<const N: usize> RungeKuttaStepper<N> {
     /// Tries a step.
     pub(crate) fn advance<M: RungeKutta, F: Flow<N>, const G: usize>(
         &mut self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
     ) -> Result<Trial, Error> {
         let field = &mut |t: f64, x: &State<N>| flow.velocity(t, x);
@@ -164,7 +164,7 @@ fn dense_again<M: RungeKutta, const N: usize>(
     Dense::new::<M>(t, &x, h, &step)
 }
 
-impl<const N: usize, const G: usize> Run<N, G> {
+impl<const N: usize, const G: usize> StepState<N, G> {
     /// The next step within the tolerance: length, whether it ends at the end time, whether error
     /// control allows a longer one, slopes and end.
     #[inline(always)]

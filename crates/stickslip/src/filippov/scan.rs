@@ -85,12 +85,12 @@ pub(crate) fn first_bracket(
     first_bracket_within(value, &mut |_, _| Bounds::Unknown, lo, hi)
 }
 
-/// What interval bounds prove of a function over a part of the interval.
+/// Proof by interval bounds about a function over a part of the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Bounds {
-    /// It certainly has no zero.
+    /// Certainly has no zero.
     Clear,
-    /// It may have a zero: an interval that is clear by samples is refined.
+    /// May have a zero: an interval that is clear by samples is refined.
     Open,
     /// Nothing: samples decide.
     Unknown,
@@ -128,7 +128,7 @@ impl BoundsBudget {
         self.0.set(MAX_BOUNDS);
     }
 
-    /// What bounds prove of a function between two places, if `is_clear` returns whether they
+    /// Proof by bounds about a function between two places, if `is_clear` returns whether they
     /// exclude a zero there.
     pub fn bounds(&self, (from, to): (f64, f64), is_clear: &dyn Fn(f64, f64) -> bool) -> Bounds {
         let used = self.0.get();
@@ -156,7 +156,7 @@ const ZERO_NEIGHBOURHOOD: f64 = 0.0078125;
 /// Chosen: bounds cost less than nine samples.
 const HALVINGS_UNSAMPLED: u32 = 3;
 
-/// As [`first_bracket`], with interval bounds of parts of the interval. Halves intervals until each
+/// [`first_bracket`] with interval bounds of parts of the interval. Halves intervals until each
 /// is clear or holds a bracket: depth first, the left half first.
 pub(crate) fn first_bracket_within(
     value: &mut dyn FnMut(f64) -> f64,
@@ -277,7 +277,7 @@ fn unproven_before(
 /// successive zeros are found however close they lie, down to rounding.
 ///
 /// ```
-/// use stickslip::filippov::first_zero;
+/// use stickslip::first_zero;
 ///
 /// let zero = first_zero(|s| (s - 0.5) * (s - 0.500_001), 0.0, 1.0);
 /// assert!((zero.unwrap() - 0.5).abs() < 1e-9);

@@ -26,10 +26,10 @@ use crate::system::IntoState;
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{error}")]
 pub struct Failure<R> {
-    /// What went wrong.
+    /// The error.
     #[source]
     pub error: Error,
-    /// What was computed before; its ending is [`Ending::Failed`].
+    /// Orbit up to the failure; its ending is [`Ending::Failed`].
     pub partial: Box<R>,
 }
 

@@ -2,7 +2,7 @@
 
 use super::flow::Flow;
 use super::options::{Method, Options};
-use super::run::{Run, Trial};
+use super::run::{StepState, Trial};
 use super::runge_kutta::RungeKuttaStepper;
 use super::taylor::TaylorStepper;
 use crate::error::Error;
@@ -32,9 +32,7 @@ pub(crate) enum Work {
 impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
         match options.method {
-            Method::Dop853 | Method::Dop853Fixed { .. } => {
-                Stepper::Dop853(RungeKuttaStepper::default())
-            }
+            Method::Dop853 => Stepper::Dop853(RungeKuttaStepper::default()),
             Method::Rk4 { .. } => Stepper::Rk4(RungeKuttaStepper::default()),
             Method::Taylor => Stepper::Taylor(Box::new(TaylorStepper::new(options))),
         }
@@ -76,7 +74,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
     pub(crate) fn work<F: Flow<N>>(
         &mut self,
         work: Work,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
         repeated: Option<&mut RecordedCalls<N, G>>,
     ) -> Result<Trial, Error> {

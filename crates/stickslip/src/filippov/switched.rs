@@ -8,7 +8,7 @@ use super::flow::{Called, Flow, gradient};
 use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::Options;
-use super::run::Run;
+use super::run::StepState;
 use super::uncertainty::uncertainty;
 use crate::dynamics::Modes;
 use crate::error::Error;
@@ -32,7 +32,7 @@ pub trait Switched<const N: usize, const G: usize> {
     /// The mode: [`crate::Mode`] for one contact, an array of it for several.
     type Mode: Copy + Debug + PartialEq + Eq + Hash + Send + Sync;
 
-    /// What decides the flow besides the mode.
+    /// Choice of the flow besides the mode.
     #[doc(hidden)]
     type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
 
@@ -75,7 +75,7 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// The mode at a start.
     #[doc(hidden)]
-    fn first_mode(&self, run: &mut Run<N, G>) -> Result<Next<Self::Mode, G>, Error>;
+    fn first_mode(&self, run: &mut StepState<N, G>) -> Result<Next<Self::Mode, G>, Error>;
 
     /// The kind of an event that does not end the mode; the branch may change. `None` if the event
     /// ends the mode.
@@ -86,7 +86,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn switch(
         &self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         from: Self::Mode,
         branch: &mut Self::Branch,
         event: &Event<N>,
@@ -94,13 +94,13 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// The guard whose zero made a step too short for the time, if one did.
     #[doc(hidden)]
-    fn guard_at_collapse(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<usize> {
+    fn guard_at_collapse(&self, _run: &StepState<N, G>, _mode: Self::Mode) -> Option<usize> {
         None
     }
 
     /// The ending in which transitions pile up, if the system has one of its own.
     #[doc(hidden)]
-    fn ending_of_pile_up(&self, _run: &Run<N, G>, _mode: Self::Mode) -> Option<Ending> {
+    fn ending_of_pile_up(&self, _run: &StepState<N, G>, _mode: Self::Mode) -> Option<Ending> {
         None
     }
 
@@ -109,7 +109,7 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn stick_at_accumulation(
         &self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         mode: Self::Mode,
         contacts: &[usize],
         at: &Timed<N>,
@@ -157,7 +157,7 @@ pub trait Switched<const N: usize, const G: usize> {
     fn restored(modes: Modes) -> Self::Mode;
 }
 
-/// What follows a start or the end of a mode.
+/// Continuation after a start or the end of a mode.
 pub enum Next<K, const G: usize> {
     /// A mode, and how many derivatives of each of its guards vanish.
     Mode(K, [usize; G]),

@@ -6,7 +6,7 @@
 
 use super::flow::{boundary_gradient, normal_component};
 use super::rules::{LieDerivatives, Visibility};
-use super::run::{Run, TIME_ROUNDING};
+use super::run::{StepState, TIME_ROUNDING};
 use crate::orbit::{Approach, TwoFold};
 use crate::system::{Filippov, Mode, Side, State, components};
 
@@ -25,7 +25,7 @@ const FIELD_DIFFERENCE: f64 = 10.0;
 /// else by crossings.
 pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
     system: &S,
-    run: &Run<N, G>,
+    run: &StepState<N, G>,
     mode: Mode,
 ) -> Option<TwoFold> {
     let at = &run.at;

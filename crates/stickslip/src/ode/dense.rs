@@ -20,12 +20,12 @@ pub struct Dense<const N: usize> {
     pub t0: f64,
     /// Length of the step.
     pub h: f64,
-    polynomial: Polynomial<N>,
+    polynomial: DensePolynomial<N>,
 }
 
 // Stored inline, without a box: step records are copied and never allocate.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Polynomial<const N: usize> {
+enum DensePolynomial<const N: usize> {
     /// The first four terms, of a method without further stages.
     Hermite([State<N>; 4]),
     RungeKutta([State<N>; 8]),
@@ -55,9 +55,9 @@ impl<const N: usize> Dense<N> {
             for (coefficient, weights) in all[4..].iter_mut().zip(&M::COEFFICIENTS.d) {
                 *coefficient = zero.add_scaled(h, &weigh(&step.k, weights));
             }
-            Polynomial::RungeKutta(all)
+            DensePolynomial::RungeKutta(all)
         } else {
-            Polynomial::Hermite(c)
+            DensePolynomial::Hermite(c)
         };
         Dense { t0, h, polynomial }
     }
@@ -69,7 +69,7 @@ impl<const N: usize> Dense<N> {
         Dense {
             t0,
             h: 1.0,
-            polynomial: Polynomial::Hermite(c),
+            polynomial: DensePolynomial::Hermite(c),
         }
     }
 
@@ -77,7 +77,7 @@ impl<const N: usize> Dense<N> {
     pub(crate) fn straight(from: &Timed<N>, to: &Timed<N>) -> Self {
         let mut dense = Dense::resting(from.t, from.x);
         dense.h = to.t - from.t;
-        if let Polynomial::Hermite(c) = &mut dense.polynomial {
+        if let DensePolynomial::Hermite(c) = &mut dense.polynomial {
             c[1] = to.x - from.x;
         }
         dense
@@ -93,7 +93,7 @@ impl<const N: usize> Dense<N> {
         coefficients: &[State<N>; MAX_COEFFICIENTS],
     ) {
         (self.t0, self.h) = (t0, h);
-        self.polynomial = Polynomial::Series(order, *coefficients);
+        self.polynomial = DensePolynomial::Series(order, *coefficients);
     }
 
     /// Becomes a copy of another one. For Runge–Kutta steps only the method's coefficients are
@@ -102,8 +102,8 @@ impl<const N: usize> Dense<N> {
     pub(crate) fn become_copy(&mut self, of: &Self) {
         (self.t0, self.h) = (of.t0, of.h);
         match (&mut self.polynomial, &of.polynomial) {
-            (Polynomial::Hermite(to), Polynomial::Hermite(c)) => *to = *c,
-            (Polynomial::RungeKutta(to), Polynomial::RungeKutta(c)) => *to = *c,
+            (DensePolynomial::Hermite(to), DensePolynomial::Hermite(c)) => *to = *c,
+            (DensePolynomial::RungeKutta(to), DensePolynomial::RungeKutta(c)) => *to = *c,
             (to, c) => *to = *c,
         }
     }
@@ -113,9 +113,9 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub(crate) fn is_finite(&self) -> bool {
         match &self.polynomial {
-            Polynomial::Hermite(c) => c[3].iter().all(|v| v.is_finite()),
-            Polynomial::RungeKutta(c) => (0..N).all(|i| (c[3][i] + c[7][i]).is_finite()),
-            Polynomial::Series(_, c) => c.iter().all(|c| c.iter().all(|v| v.is_finite())),
+            DensePolynomial::Hermite(c) => c[3].iter().all(|v| v.is_finite()),
+            DensePolynomial::RungeKutta(c) => (0..N).all(|i| (c[3][i] + c[7][i]).is_finite()),
+            DensePolynomial::Series(_, c) => c.iter().all(|c| c.iter().all(|v| v.is_finite())),
         }
     }
 
@@ -123,9 +123,9 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub fn at(&self, s: f64) -> State<N> {
         match &self.polynomial {
-            Polynomial::Hermite(c) => nested(c, s),
-            Polynomial::RungeKutta(c) => nested(c, s),
-            Polynomial::Series(order, c) => power_series(&c[..=*order], s).0,
+            DensePolynomial::Hermite(c) => nested(c, s),
+            DensePolynomial::RungeKutta(c) => nested(c, s),
+            DensePolynomial::Series(order, c) => power_series(&c[..=*order], s).0,
         }
     }
 
@@ -134,9 +134,9 @@ impl<const N: usize> Dense<N> {
     #[inline(always)]
     pub(crate) fn enclosure(&self) -> [Interval; N] {
         match &self.polynomial {
-            Polynomial::Hermite(c) => enclosure_of_nested(c),
-            Polynomial::RungeKutta(c) => enclosure_of_nested(c),
-            Polynomial::Series(order, c) => std::array::from_fn(|i| {
+            DensePolynomial::Hermite(c) => enclosure_of_nested(c),
+            DensePolynomial::RungeKutta(c) => enclosure_of_nested(c),
+            DensePolynomial::Series(order, c) => std::array::from_fn(|i| {
                 let reach = c[1..=*order].iter().map(|c| c[i].abs()).sum();
                 Interval::around(c[0][i], reach)
             }),
@@ -147,9 +147,9 @@ impl<const N: usize> Dense<N> {
     pub(crate) fn enclosure_between(&self, from: f64, to: f64) -> [Interval; N] {
         let (s, r) = ([from, to], [1.0 - to, 1.0 - from]);
         match &self.polynomial {
-            Polynomial::Hermite(c) => horner_between(c, [s, r]),
-            Polynomial::RungeKutta(c) => horner_between(c, [s, r]),
-            Polynomial::Series(order, c) => horner_between(&c[..=*order], [s, s]),
+            DensePolynomial::Hermite(c) => horner_between(c, [s, r]),
+            DensePolynomial::RungeKutta(c) => horner_between(c, [s, r]),
+            DensePolynomial::Series(order, c) => horner_between(&c[..=*order], [s, s]),
         }
     }
 
@@ -242,7 +242,10 @@ mod tests {
         ) {
             let terms = terms.map(|c| State::from([c]));
             let [a, b, c, d, ..] = terms;
-            for polynomial in [Polynomial::RungeKutta(terms), Polynomial::Hermite([a, b, c, d])] {
+            for polynomial in [
+                DensePolynomial::RungeKutta(terms),
+                DensePolynomial::Hermite([a, b, c, d]),
+            ] {
                 let dense = Dense::<1> { t0: 0.0, h: 1.0, polynomial };
                 let range = dense.enclosure()[0];
                 let x = dense.at(s)[0];

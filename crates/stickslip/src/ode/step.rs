@@ -186,7 +186,7 @@ mod tests {
     use crate::math;
     use crate::ode::control::squared_error;
     use crate::ode::{Dop853, Tolerance};
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// The solution at 64 points of a step from time 0, by steps of that length.
     fn solution(

@@ -45,7 +45,7 @@ struct RecordedCall<const N: usize, const W: usize> {
 }
 
 impl<const N: usize, const W: usize> RecordedCalls<N, W> {
-    /// As [`super::series::in_rows`], in one lane.
+    /// [`super::series::in_rows`] in one lane.
     pub(crate) fn expand(
         &mut self,
         into: CoefficientRows<'_, 1>,
@@ -63,7 +63,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
         Ok(call.expansion)
     }
 
-    /// The same in several lanes. `None` if no recorded call serves all of them.
+    /// Expansion in several lanes. `None` if no recorded call serves all of them.
     pub(crate) fn expand_again<const L: usize>(
         &self,
         into: CoefficientRows<'_, L>,

@@ -305,7 +305,7 @@ impl Recording {
         true
     }
 
-    /// The same in one lane, with the recording's own linear numbers.
+    /// Repetition in one lane, with the recording's own linear numbers.
     pub(super) fn repeat_first_alone<'a>(
         &mut self,
         time: Jet<'_, 1>,

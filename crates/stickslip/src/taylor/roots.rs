@@ -15,7 +15,7 @@ const NARROWEST_INTERVAL: f64 = 7.5e-9;
 
 /// An interval that holds a zero: the polynomial is positive at `a` and not positive at `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Bracket {
+struct RootBracket {
     a: f64,
     b: f64,
     at_a: f64,
@@ -137,7 +137,7 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
             parabola(at_a, slope_at_a, at_b)
         };
         let (a, b) = (0.0, 1.0);
-        return Some(newton(c, Bracket { a, b, at_a, at_b }, guess));
+        return Some(newton(c, RootBracket { a, b, at_a, at_b }, guess));
     }
     let n = c.len() - 1;
     let mut b = [0.0; MAX_COEFFICIENTS];
@@ -155,7 +155,7 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
         }
     }
     let bracket = isolate(&b[..=n], 0.0, 1.0)?;
-    let Bracket { a, b, at_a, at_b } = bracket;
+    let RootBracket { a, b, at_a, at_b } = bracket;
     let guess = a + (b - a) * (at_a / (at_a - at_b));
     Some(newton(c, bracket, guess))
 }
@@ -195,13 +195,13 @@ fn inverse_cubic([at_a, at_b]: [f64; 2], [slope_at_a, slope_at_b]: [f64; 2]) -> 
 }
 
 /// The first bracket in `[lo, hi]` for the polynomial with Bernstein coefficients `b` there.
-fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<Bracket> {
+fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<RootBracket> {
     let n = b.len() - 1;
     let mut changes = 0;
     for pair in b.windows(2) {
         changes += u32::from((pair[0] > 0.0) != (pair[1] > 0.0));
     }
-    let bracket = Bracket {
+    let bracket = RootBracket {
         a: lo,
         b: hi,
         at_a: b[0],
@@ -249,8 +249,8 @@ const CONVERGED_CHANGE: f64 = 1e-9;
 const ROUNDED_CHANGE: f64 = 1e-17;
 
 /// The zero in a bracket by Newton's iteration from a guess, safeguarded by bisection.
-fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
-    let Bracket {
+fn newton(c: &[f64], bracket: RootBracket, guess: f64) -> f64 {
+    let RootBracket {
         mut a, mut b, at_a, ..
     } = bracket;
     if at_a <= 0.0 {
@@ -291,7 +291,7 @@ fn newton(c: &[f64], bracket: Bracket, guess: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::math;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Coefficients of `scale Π (s − root)`, with zeros up to the degree.
     fn polynomial(roots: &[f64], scale: f64) -> Vec<f64> {

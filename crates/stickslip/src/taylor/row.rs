@@ -19,7 +19,7 @@ pub(crate) fn lanes<const L: usize>(mut f: impl FnMut(usize) -> f64) -> Lanes<L>
     out
 }
 
-/// The same from the lanes of one coefficient.
+/// Lanes from the lanes of one coefficient.
 #[inline(always)]
 pub(crate) fn lanes_of<const L: usize>(a: Lanes<L>, f: impl Fn(f64) -> f64) -> Lanes<L> {
     lanes(|l| f(a[l]))
@@ -109,7 +109,7 @@ impl<const L: usize> CoefficientRow<L> {
         lanes(|l| up[l] + down[l])
     }
 
-    /// The same for a square.
+    /// Coefficient of a square.
     #[inline(always)]
     pub(super) fn square(&self, k: usize) -> Lanes<L> {
         let (low, mid, high) = self.halves(k);

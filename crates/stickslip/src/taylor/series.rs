@@ -20,7 +20,7 @@ pub(crate) trait Functions<const N: usize, const W: usize> {
 
 /// A function of the solution that is not constant.
 #[derive(Clone, Copy, Debug)]
-pub struct Watched {
+pub struct WatchedRow {
     /// The function's row.
     pub row: usize,
     /// Whether it is linear in state and time.
@@ -31,7 +31,7 @@ pub struct Watched {
 #[derive(Clone, Copy, Debug)]
 pub struct Expansion<const W: usize> {
     /// The watched functions; `None` for constant ones.
-    pub watched: [Option<Watched>; W],
+    pub watched: [Option<WatchedRow>; W],
     /// Number of comparisons that the expansion depends on.
     pub choices: usize,
     /// Whether a comparison has an operand that is not linear in state and time.
@@ -100,7 +100,7 @@ impl<const L: usize> Series<L> {
 #[inline(always)]
 pub(super) fn watched_rows<const L: usize, const W: usize>(
     functions: [Jet<'_, L>; W],
-) -> [Option<Watched>; W] {
+) -> [Option<WatchedRow>; W] {
     let mut rows = [None; W];
     for (row, function) in rows.iter_mut().zip(functions) {
         if let Ok(Coefficient {
@@ -109,7 +109,7 @@ pub(super) fn watched_rows<const L: usize, const W: usize>(
             ..
         }) = function.in_row()
         {
-            *row = Some(Watched {
+            *row = Some(WatchedRow {
                 row: place,
                 is_linear,
             });
@@ -122,7 +122,7 @@ pub(super) fn watched_rows<const L: usize, const W: usize>(
 #[inline(always)]
 pub(super) fn outcome<const L: usize, const W: usize>(
     sweep: &Sweep<'_, L>,
-    watched: [Option<Watched>; W],
+    watched: [Option<WatchedRow>; W],
     room: usize,
 ) -> Result<Expansion<W>, usize> {
     let (taken, choices) = (sweep.rows_taken.get(), sweep.choices.get());

@@ -41,7 +41,7 @@ enum StepKind {
 
 /// A step and the rows of its operands.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+struct RecordedStep {
     kind: StepKind,
     /// The row of the result, or the first row that is taken.
     row: u32,
@@ -50,7 +50,7 @@ struct Step {
     constant: f64,
 }
 
-impl Step {
+impl RecordedStep {
     fn of(kind: StepKind, row: u32, [a, mut b]: [Source; 2], constant: f64) -> Self {
         let kind = match kind {
             StepKind::Add | StepKind::Subtract if [a.factor, b.factor] != [1.0; 2] => {
@@ -61,7 +61,7 @@ impl Step {
             }
             _ => kind,
         };
-        Step {
+        RecordedStep {
             kind,
             row,
             a,
@@ -93,16 +93,16 @@ impl Source {
 }
 
 #[derive(Debug)]
-pub(super) struct Steps(Vec<Step>);
+pub(super) struct Steps(Vec<RecordedStep>);
 
-/// What later steps need of a row.
+/// Use of a row by later steps.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 enum Use {
     #[default]
     None,
     /// The newest coefficient, which may be computed on use.
     Newest,
-    /// Its coefficients, from any row.
+    /// Coefficients, from any row.
     Coefficients,
     /// The row itself.
     Row,
@@ -190,7 +190,7 @@ impl Steps {
                         }
                         _ => {}
                     }
-                    Step::of(kind, row, [a, b], constant)
+                    RecordedStep::of(kind, row, [a, b], constant)
                 }
                 None => {
                     let (kind, number) = match recorded.instruction {
@@ -201,7 +201,7 @@ impl Steps {
                         } => (StepKind::SineCosine, linear),
                         _ => (StepKind::Any, i as u32),
                     };
-                    Step::of(kind, recorded.first, [Source::itself(number); 2], 0.0)
+                    RecordedStep::of(kind, recorded.first, [Source::itself(number); 2], 0.0)
                 }
             };
             steps.push(step);
@@ -251,7 +251,7 @@ impl<const L: usize> AtOrder<'_, L> {
         Some(self.row(of.higher)?.at(self.order))
     }
 
-    /// The same times its factor.
+    /// Coefficient times its factor.
     #[inline(always)]
     fn scaled(&self, of: Source) -> Option<Lanes<L>> {
         Some(lanes_of(self.newest(of)?, |a| of.factor * a))
@@ -269,7 +269,7 @@ impl<const L: usize> AtOrder<'_, L> {
         lanes_of(slope, |slope| slope * inverse(self.order))
     }
 
-    /// As [`super::sweep::Sweep::choose`].
+    /// Chooses as [`super::sweep::Sweep::choose`] does.
     #[inline(always)]
     fn choose(&mut self, ahead: Lanes<L>) {
         if let Some(row) = self.rows.all.iter().nth_back(self.choices) {
@@ -281,8 +281,8 @@ impl<const L: usize> AtOrder<'_, L> {
     /// Performs a step. `None` if a row is missing. Each arm looks up only the rows that it needs,
     /// since a look-up takes as long as an addition.
     #[inline(always)]
-    fn perform(&mut self, step: &Step, replay: &Replay<'_, L>) -> Option<()> {
-        let Step {
+    fn perform(&mut self, step: &RecordedStep, replay: &Replay<'_, L>) -> Option<()> {
+        let RecordedStep {
             kind,
             row,
             a,

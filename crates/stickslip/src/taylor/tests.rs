@@ -6,7 +6,7 @@ use pulp::{Arch, NullaryFnOnce};
 
 use super::recorded_calls::{LinearNumbers, RecordedCalls};
 use super::row::{CoefficientRow, Lanes};
-use super::series::{Expansion, Functions, Series, Watched, in_rows};
+use super::series::{Expansion, Functions, Series, WatchedRow, in_rows};
 use super::{MAX_COEFFICIENTS, MAX_ORDER};
 use crate::dual::Dual;
 use crate::scalar::Scalar;
@@ -259,7 +259,7 @@ impl<F: Functions<2, 3>, const L: usize> NullaryFnOnce for Widest<'_, F, L> {
 
 const LANES: usize = 4;
 
-/// Where the series begin in each lane: time, length, state.
+/// Starts of the series in each lane: time, length, state.
 fn begin() -> (Lanes<LANES>, Lanes<LANES>, [Lanes<LANES>; 2]) {
     let t: [f64; LANES] = std::array::from_fn(|l| 0.1 * l as f64);
     let x = [t.map(|t| 0.3 + t), t.map(|t| 0.7 - t)];
@@ -332,7 +332,7 @@ fn assert_lanes_are_alone(
         let mut alone = Series::<1>::default();
         let expansion = expand_alone(([t[l]], [h[l]]), x.map(|x| [x[l]]), &mut alone);
         assert_eq!((expansion.choices, together.choices), (1, 1));
-        let rows = |watched: &[Option<Watched>]| -> Vec<usize> {
+        let rows = |watched: &[Option<WatchedRow>]| -> Vec<usize> {
             let watched = watched.iter().flatten().map(|watched| watched.row);
             (0..2).chain(watched).collect()
         };
@@ -379,7 +379,7 @@ fn functions_are_called_again_where_a_comparison_comes_out_otherwise() {
         let mut wanted = Series::<1>::default();
         let of_calls = expand(&mut wanted, ([0.0], [0.125]), [[x]], 8, &Chosen);
         assert_eq!(expansion.choices, of_calls.choices);
-        let row = |watched: Option<Watched>| watched.expect("not constant").row;
+        let row = |watched: Option<WatchedRow>| watched.expect("not constant").row;
         let watched = expansion.watched.map(|of| &series.rows()[row(of)]);
         let found = watched.into_iter().chain(series.choices(&expansion));
         let watched = of_calls.watched.map(|of| &wanted.rows()[row(of)]);

@@ -2,7 +2,7 @@
 //! solution of its complementarity problem, by enumeration. The energy balances, and no event is
 //! missed.
 
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{Method, Mode, Options, Orbit, Several, Side, State, solve};
 
 use super::rig::Rig;

@@ -1,6 +1,7 @@
 //! Corners where two contacts come to zero together, compared with all motions that are consistent.
 
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
+use stickslip::error::ContactFault;
 use stickslip::{
     Contacts, Ending, Error, Method, Mode, Options, Orbit, Scalar, Several, Side, solve,
 };
@@ -125,7 +126,14 @@ fn a_corner_is_refused_exactly_where_several_motions_are_consistent() {
             let what = format!("{number}: {corner:?}: {found:?}");
             match (run, &found[..]) {
                 (Ok(orbit), [one]) => assert_eq!(orbit.phases[phase].mode, *one, "{what}"),
-                (Err(Error::NoUniqueMode { t, candidates, .. }), _) => {
+                (
+                    Err(Error::Contacts {
+                        t,
+                        fault: ContactFault::NoUniqueMode { candidates, .. },
+                        ..
+                    }),
+                    _,
+                ) => {
                     assert!(found.len() > 1 && (t - at).abs() < 1e-9, "{what}: {t}");
                     assert_eq!(candidates.len(), found.len(), "{what}");
                 }
@@ -162,7 +170,12 @@ fn a_corner_that_each_contact_leads_the_other_away_from_has_three_motions() {
     for options in methods() {
         for start in [[0.0; 2], [1.0, 1.0]] {
             let error = corner.solve(start, &options).unwrap_err();
-            let Error::NoUniqueMode { t, candidates, .. } = error else {
+            let Error::Contacts {
+                t,
+                fault: ContactFault::NoUniqueMode { candidates, .. },
+                ..
+            } = error
+            else {
                 panic!("{error}");
             };
             assert!(candidates.len() == 3, "{candidates:?}");

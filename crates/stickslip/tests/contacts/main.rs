@@ -17,3 +17,11 @@ mod rig;
 mod spectra;
 mod static_friction;
 mod two_states;
+
+/// What is wrong with the contacts of a run.
+fn fault(error: &stickslip::Error) -> &stickslip::error::ContactFault {
+    match error {
+        stickslip::Error::Contacts { fault, .. } => fault,
+        other => panic!("{other}"),
+    }
+}

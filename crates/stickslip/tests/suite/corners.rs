@@ -103,7 +103,7 @@ impl Filippov<2> for EqualInStick {
 fn a_stick_ends_where_it_does_though_two_that_are_compared_are_equal_in_it() {
     // With the belt, x = 0.3 t + 0.1 (1 − cos t). It is released where x + x'' equals the friction.
     let left = |t: f64| 0.6 - (0.3 * t + 0.1 * (1.0 - math::cos(t))) - 0.1 * math::cos(t);
-    let exit = stickslip::filippov::first_zero(left, 0.0, 3.0).expect("ends");
+    let exit = stickslip::first_zero(left, 0.0, 3.0).expect("ends");
     for digits in 4..=14 {
         let tolerance = math::powi(10.0, -digits);
         let options = Options::tol(tolerance).method(Method::Taylor);

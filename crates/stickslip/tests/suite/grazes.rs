@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
 use stickslip::{
     Filippov, Method, Observer, Options, Scalar, Side, State, Transition, TransitionKind, math,
 };

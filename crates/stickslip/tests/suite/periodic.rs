@@ -4,15 +4,14 @@
 use std::f64::consts::PI;
 
 use nalgebra::Matrix4;
-use stickslip::analysis::{Destination, destination, multipliers, with_shortest_period};
+use stickslip::analysis::{multipliers, with_shortest_period};
 use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
 use crate::any_system::{find_periodic_orbit, periodic_orbit_forced, run, solve};
 use crate::compiled::Compiled;
-use crate::constant_fields::ConstantFields;
 use crate::den_hartog::DenHartog;
-use crate::solver::systems::{Floor, MovingLine, TwiceRound, decaying_friction};
+use crate::solver::systems::{Floor, TwiceRound, decaying_friction};
 
 #[test]
 fn the_cycle_with_stick_is_found_without_a_guess() {
@@ -215,66 +214,4 @@ fn the_multipliers_of_a_matrix_are_its_eigenvalues_the_nearest_to_1_first() {
     assert_eq!(other, one.conj());
     let none = Matrix::from_element(3, 3, f64::NAN);
     assert!(multipliers(&none).iter().all(|m| m.re.is_nan()));
-}
-
-#[test]
-fn a_forced_orbit_comes_to_den_hartog_s_in_one_period() {
-    let system = DenHartog {
-        frequency: 0.7,
-        friction: 0.2,
-    };
-    let period = 2.0 * PI / system.frequency;
-    let options = Options::tol(1e-12);
-    // The start is not at time zero: the compared states are whole periods after it.
-    let t0 = 0.3;
-    let found = destination(
-        &system.dynamics(),
-        (t0, [1.0, 0.0]),
-        period,
-        200,
-        1e-6,
-        &options,
-    )
-    .unwrap();
-    let Destination::Periodic {
-        period: 1,
-        sticks: 0,
-        x,
-    } = found
-    else {
-        panic!("{found:?}");
-    };
-    let cycle = periodic_orbit_forced(&system, t0, &x, period, &options).unwrap();
-    assert!((&cycle.x - &x).amax() < 1e-5, "{} {x}", cycle.x);
-    let turn = solve(&system, t0, &x, t0 + period, &options).unwrap();
-    for turned in &turn.transitions {
-        assert!((turned.x[0].abs() - 1.927_774_517_9).abs() < 1e-4);
-    }
-}
-
-#[test]
-fn sticks_within_one_pattern_are_counted_and_repelling_has_no_destination() {
-    // It sticks to the line while |cos t| < 0.9 and is released after each turn of it, twice in a
-    // period.
-    let line = MovingLine { a: 0.9 };
-    let (start, period) = ((0.3, [0.1]), 2.0 * PI);
-    let found = destination(&line.any(), start, period, 12, 1e-9, &Options::default()).unwrap();
-    let Destination::Periodic {
-        period: 1,
-        sticks: 2,
-        ..
-    } = found
-    else {
-        panic!("{found:?}");
-    };
-    let apart = ConstantFields {
-        below: -1.0,
-        above: 1.0,
-    };
-    let start = (2.0, [0.0]);
-    let error = destination(&apart.any(), start, 1.0, 12, 1e-9, &Options::default()).unwrap_err();
-    assert!(
-        matches!(error, Error::NoUniqueFuture { t: 2.0, .. }),
-        "{error}"
-    );
 }

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::filippov::Transition;
+use stickslip::Transition;
 use stickslip::{
     Error, Filippov, Method, Observer, Options, Orbit, Scalar, Side, State, TransitionKind, math,
 };

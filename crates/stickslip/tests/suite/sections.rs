@@ -66,15 +66,14 @@ fn watch(function: Function, direction: Direction) -> EventSet<1> {
     }
 }
 
-/// Runge–Kutta steps, Taylor steps and fixed steps, with the allowed error of event times.
+/// Runge–Kutta steps, Taylor steps, short and fixed steps, with the allowed error of event times.
 fn methods() -> [(Options, f64); 4] {
     let slopes = Options::tol(1e-14);
-    let fixed = |method| Options::default().method(method);
     [
         (slopes, 1e-12),
         (slopes.method(Method::Taylor), 1e-12),
-        (fixed(Method::Dop853Fixed { step: 0.02 }), 1e-12),
-        (fixed(Method::Rk4 { step: 1e-3 }), 1e-11),
+        (Options::default().longest_step(0.02), 1e-12),
+        (Options::default().method(Method::Rk4 { step: 1e-3 }), 1e-11),
     ]
 }
 

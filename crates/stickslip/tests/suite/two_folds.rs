@@ -1,8 +1,8 @@
 //! Two-folds reached by sliding and by crossings. No orbit of random systems differs between the
 //! two methods.
 
-use stickslip::analysis::Visibility::{self, Invisible, Visible};
-use stickslip::statistics::SplitMix;
+use numerics::SplitMix;
+use stickslip::Visibility::{self, Invisible, Visible};
 use stickslip::{
     Approach, AtRepelling, Ending, Filippov, Method, Mode, Options, Orbit, Scalar, Side,
     TransitionKind, TwoFold,

@@ -3,8 +3,8 @@
 use std::num::NonZeroUsize;
 use std::ops::Range;
 
+use numerics::SplitMix;
 use serde::{Deserialize, Serialize};
-use stickslip::statistics::SplitMix;
 
 use crate::commands::range::{StateRange, middle};
 use crate::commands::sweeping::blocks;

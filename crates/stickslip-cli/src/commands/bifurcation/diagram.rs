@@ -47,7 +47,7 @@ pub(super) struct Span {
     pub(super) reason: Option<String>,
 }
 
-/// What the figure shows of one pass through the range.
+/// Content of the figure for one pass through the range.
 #[derive(Default)]
 pub(super) struct OneDirection {
     /// First state at the section points.

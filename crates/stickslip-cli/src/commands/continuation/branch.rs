@@ -17,7 +17,7 @@ use super::super::range::ParameterRange;
 use super::saving::{BranchSaver, saved, saved_or_computed};
 use crate::failure::Failure;
 use crate::sweep::Writer;
-use crate::terminal::Status;
+use output::terminal::Status;
 
 /// The first blocks behind those of both directions. For each special orbit there are two: its
 /// curve in two parameters, and the branches that begin there.
@@ -34,7 +34,7 @@ pub(super) struct SideBranch {
 /// A second parameter, for curves of special orbits.
 pub(super) struct SecondParameter {
     pub(super) range: ParameterRange,
-    /// Its value on the branch.
+    /// Value on the branch.
     value: f64,
     /// The system with both parameters as states.
     both: DynamicsRef<'static>,

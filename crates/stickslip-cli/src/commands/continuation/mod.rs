@@ -23,8 +23,8 @@ use super::sweeping::{ResumeArguments, folder, plan};
 use crate::failure::Failure;
 use crate::render::{CommandOutput, Report};
 use crate::sweep::{Share, Writer};
-use crate::terminal::with_spinner;
 use branch::BranchStart;
+use output::terminal::with_spinner;
 
 /// Continue a periodic orbit or an equilibrium along a parameter, stable or not, through folds and
 /// changes of its phases

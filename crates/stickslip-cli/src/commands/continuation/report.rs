@@ -86,7 +86,7 @@ pub(super) fn of(
     Ok(report)
 }
 
-/// Where the branch ends in both directions.
+/// Reports the ends of the branch in both directions.
 fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeBranch) {
     let ends = branch
         .stops

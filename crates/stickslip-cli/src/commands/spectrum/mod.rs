@@ -19,8 +19,8 @@ use stickslip_series::{
 use crate::failure::Failure;
 use crate::render::{CommandOutput, OutputArguments, Report};
 use crate::table;
-use crate::terminal::{DelayedProgressBar, note};
 use findings::{Embedded, Findings};
+use output::terminal::{DelayedProgressBar, note};
 
 /// Seed of the surrogates. It is fixed so that results are reproducible.
 const SEED: u64 = 19_920_901;

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::orbit::TwoFold;
 
-/// What an orbit converges to, or how else it ends.
+/// Long-term behaviour of an orbit, or how it ends.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttractorKind {
@@ -24,8 +24,7 @@ pub enum AttractorKind {
         period: f64,
     },
     /// Quasi-periodic or chaotic: the section points return to every region visited before, and no
-    /// pattern of them repeats. Lyapunov exponents distinguish the two
-    /// ([`crate::analysis::motion`]).
+    /// pattern of them repeats. [`crate::analysis::lyapunov_spectrum`] distinguishes the two.
     Recurrent,
     /// A component passed the escape bound of the options.
     Escape,
@@ -86,7 +85,7 @@ impl fmt::Display for AttractorKind {
     }
 }
 
-/// What an orbit converges to or how else it ends, with the evidence.
+/// Long-term behaviour of an orbit, or how it ends, with the evidence.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Attractor {

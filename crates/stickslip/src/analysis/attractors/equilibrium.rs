@@ -1,7 +1,7 @@
 //! Whether an orbit converges to an equilibrium, and where.
 
 use super::attractor::AttractorKind;
-use super::tolerance::{ROUNDING, Tolerance};
+use super::tolerance::{ROUNDING, SameWithin};
 use crate::analysis::cycle::unit;
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
@@ -228,7 +228,7 @@ pub(super) fn attracting_equilibrium(
     mode: Modes,
     at: &Moment,
     scale: impl Fn(usize) -> f64,
-    tolerance: &Tolerance,
+    tolerance: &SameWithin,
 ) -> Option<(AttractorKind, Vector)> {
     let Equilibrium { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
     let is_near = |i: usize| (x[i] - at.x[i]).abs() <= OSCILLATION * tolerance.allowed(scale(i));
@@ -258,7 +258,7 @@ pub(super) fn kind_of_equilibrium(
     kind_by_jacobian(system, mode, at, &jacobian_of(system, mode, at))
 }
 
-/// The same by the Jacobian there, restricted to motion along the boundaries of the contacts that
+/// Kind by the Jacobian there, restricted to motion along the boundaries of the contacts that
 /// stick. Off them a body held by friction has a double zero eigenvalue, which rounding splits by
 /// its square root.
 fn kind_by_jacobian(

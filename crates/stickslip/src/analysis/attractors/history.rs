@@ -15,7 +15,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// With room for so many of each.
+    /// A history with room for so many of each.
     pub fn of(most: usize) -> Self {
         History {
             phases: VecDeque::new(),

@@ -60,7 +60,7 @@ impl RecurrenceSettings {
         }
     }
 
-    /// With a forcing of this period.
+    /// Sets the period of the forcing.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         RecurrenceSettings {
@@ -126,7 +126,7 @@ pub fn attractor<Kind>(
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
 }
 
-/// As [`attractor`], for one start of many: a start outside the domain of the field or beyond the
+/// [`attractor`] for one start of many: a start outside the domain of the field or beyond the
 /// escape bound is also an [`AttractorKind`].
 ///
 /// # Errors
@@ -142,7 +142,7 @@ pub fn attractor_of_many<Kind>(
     found.or_else(|error| without_run(error, &*system, x0))
 }
 
-/// As [`attractor_of_many`], for several starts.
+/// [`attractor_of_many`] for several starts.
 ///
 /// With [`crate::Method::Taylor`], the orbits of a system from formulas are computed side by side
 /// in vectors, in a fraction of the time. Each is bit-for-bit the same as alone.
@@ -183,7 +183,7 @@ fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attract
     })
 }
 
-/// As [`attractors_of_many`], with a callback after each start. The callback may stop the
+/// [`attractors_of_many`] with a callback after each start. The callback may stop the
 /// computation; a start that has no outcome yet is then left out.
 pub(super) fn attractors_of(
     system: &dyn Dynamics,
@@ -228,7 +228,7 @@ pub(super) fn attractors_of(
     Ok(outcomes)
 }
 
-/// As [`attractor`].
+/// [`attractor`] without the types of the system and the start.
 pub(super) fn attractor_of(
     system: &dyn Dynamics,
     x0: Vector,
@@ -252,7 +252,7 @@ fn section(settings: &RecurrenceSettings, options: &Options) -> (Section, Option
     }
 }
 
-/// The same, with the points of a section given by the user.
+/// [`attractor`] with the points of a section given by the user.
 ///
 /// # Errors
 /// As [`attractor`].

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::tolerance::{Extent, ROUNDING, SOLVER_TOLERANCES, Tolerance};
+use super::tolerance::{Extent, ROUNDING, SOLVER_TOLERANCES, SameWithin};
 use crate::dynamics::{Moment, Vector};
 
 /// Factor of the recent size of a component from point to point. After some twenty returns a long
@@ -58,7 +58,7 @@ struct SectionPoint {
 
 /// The last points of a section, and how long they have repeated with each lag.
 pub(super) struct Recurrence {
-    tolerance: Tolerance,
+    tolerance: SameWithin,
     forcing: Option<f64>,
     points: VecDeque<SectionPoint>,
     kept: usize,
@@ -85,7 +85,7 @@ pub(super) struct Pattern {
 impl Recurrence {
     pub fn new(
         states: usize,
-        tolerance: Tolerance,
+        tolerance: SameWithin,
         forcing: Option<f64>,
         (most, kept): (usize, usize),
     ) -> Self {
@@ -119,7 +119,7 @@ impl Recurrence {
     /// Whether the orbit still approaches a pattern or moves away from one. With some lag all of
     /// the last points are then near those before, and their distance grows or shrinks.
     pub fn still_moves(&self, part: f64) -> bool {
-        let near = Tolerance {
+        let near = SameWithin {
             closeness: part,
             ..self.tolerance
         };
@@ -185,7 +185,7 @@ impl Recurrence {
     }
 
     fn is_same(&self, one: &SectionPoint, other: &SectionPoint) -> bool {
-        let rounding = Tolerance {
+        let rounding = SameWithin {
             closeness: 0.0,
             atol: 0.0,
             rtol: ROUNDING / SOLVER_TOLERANCES,
@@ -194,7 +194,7 @@ impl Recurrence {
     }
 
     /// Largest difference of two points in units of the allowed one.
-    fn apart(&self, one: &SectionPoint, other: &SectionPoint, near: &Tolerance) -> f64 {
+    fn apart(&self, one: &SectionPoint, other: &SectionPoint, near: &SameWithin) -> f64 {
         let mut most = 0.0_f64;
         for i in 0..self.scale.len() {
             let allowed = near.allowed(self.scale[i]);
@@ -210,7 +210,7 @@ impl Recurrence {
     /// Whether the last point equals the one a lag before it, to the tolerance.
     fn is_closed(&self, last: usize, lag: usize) -> bool {
         let (here, before) = (&self.points[last], &self.points[last - lag]);
-        let tolerance = Tolerance {
+        let tolerance = SameWithin {
             closeness: 0.0,
             atol: self.tolerance.atol / SOLVER_TOLERANCES,
             rtol: self.tolerance.rtol / SOLVER_TOLERANCES,
@@ -222,7 +222,7 @@ impl Recurrence {
     /// is the sum of a geometric series of these differences, with the slowest of the last few
     /// ratios. Points that creep past each other differ little, too.
     fn remaining(&self, last: usize, lag: usize) -> Option<f64> {
-        let apart = |k: usize, near: &Tolerance| {
+        let apart = |k: usize, near: &SameWithin| {
             let (here, before) = (&self.points[k], &self.points[k - lag]);
             let comparable = here.tag == before.tag;
             comparable.then(|| self.apart(here, before, near))

@@ -7,7 +7,7 @@ use super::attractor::{Attractor, AttractorKind};
 use super::equilibrium::{attracting_equilibrium, kind_of_equilibrium};
 use super::history::History;
 use super::recurrence::{Pattern, Recurrence};
-use super::tolerance::{Extent, Tolerance};
+use super::tolerance::{Extent, SameWithin};
 use super::trap::Trap;
 use super::{RecurrenceSettings, recurrent};
 use crate::dynamics::{
@@ -44,7 +44,7 @@ pub(super) enum PointSource {
 pub(super) struct Search<'a> {
     system: &'a dyn Dynamics,
     settings: &'a RecurrenceSettings,
-    tolerance: Tolerance,
+    tolerance: SameWithin,
     source: PointSource,
     at_transitions: Recurrence,
     at_events: Recurrence,
@@ -81,7 +81,7 @@ impl<'a> Search<'a> {
         settings: &'a RecurrenceSettings,
         options: &Options,
     ) -> Self {
-        let tolerance = Tolerance {
+        let tolerance = SameWithin {
             closeness: settings.closeness,
             rtol: options.rtol,
             atol: options.atol,

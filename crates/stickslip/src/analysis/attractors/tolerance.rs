@@ -12,7 +12,7 @@ pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The distance within which two states are the same.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tolerance {
+pub(super) struct SameWithin {
     /// Part of a component's size.
     pub closeness: f64,
     /// Tolerance of the solver.
@@ -20,7 +20,7 @@ pub(super) struct Tolerance {
     pub atol: f64,
 }
 
-impl Tolerance {
+impl SameWithin {
     /// Largest allowed difference of a component of this size.
     pub fn allowed(&self, scale: f64) -> f64 {
         self.closeness * scale + self.rounding(scale)

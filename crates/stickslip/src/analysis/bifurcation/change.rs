@@ -68,7 +68,7 @@ pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
     }
 }
 
-/// Where the equilibrium at a value loses its stability, or reaches the edge of its mode's domain.
+/// Value at which the equilibrium loses its stability, or reaches the edge of its mode's domain.
 fn equilibrium(
     system: &dyn Dynamics,
     from: &SweepPoint,
@@ -201,7 +201,7 @@ impl Located {
         found.unwrap_or_default()
     }
 
-    /// The same in the opposite direction.
+    /// The change in the opposite direction.
     fn reversed(mut self) -> Self {
         if let Some(WhatChanges::Sequence(change)) = &mut self.named {
             std::mem::swap(&mut change.before, &mut change.after);

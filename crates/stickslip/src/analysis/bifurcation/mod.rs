@@ -31,7 +31,7 @@ impl SweepSettings {
         }
     }
 
-    /// With a forcing of this period.
+    /// Sets the period of the forcing.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         SweepSettings {
@@ -59,7 +59,7 @@ pub struct SweepPoint {
 pub struct AttractorChange {
     /// The two values, in the order of the sweep.
     pub between: (f64, f64),
-    /// Its kind.
+    /// Kind.
     pub what: WhatChanges,
 }
 
@@ -89,7 +89,7 @@ impl AttractorChange {
     }
 }
 
-/// What happens to an attractor between two values of a parameter.
+/// Change of an attractor between two values of a parameter.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum WhatChanges {
@@ -125,7 +125,7 @@ pub enum WhatChanges {
         what: CycleBifurcation,
         /// A state on the orbit.
         x: Vector,
-        /// Its period.
+        /// Period.
         period: f64,
     },
     /// The change could not be located. The orbits on both sides continue through the interval, are

@@ -147,7 +147,7 @@ impl TestFunction {
         }
     }
 
-    /// The same function near another orbit of the curve.
+    /// The function near another orbit of the curve.
     fn near(self, cycle: &Cycle) -> Self {
         match self {
             TestFunction::Margin(margin) => {
@@ -159,7 +159,7 @@ impl TestFunction {
     }
 }
 
-/// What the orbits of a curve have in common.
+/// Condition that all orbits of a curve meet.
 #[derive(Clone)]
 enum Condition {
     /// A segment has no duration: two contacts switch at once.

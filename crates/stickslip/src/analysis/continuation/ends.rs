@@ -83,7 +83,7 @@ impl Continuation<'_> {
         modes.find_map(|mode| self.ends_in(mode, [before, last]))
     }
 
-    /// The same for the equilibrium of a mode.
+    /// Parameter and state of the equilibrium of a mode in which the branch ends.
     fn ends_in(&self, mode: Modes, [before, last]: [&Cycle; 2]) -> Option<(f64, Vector)> {
         let (system, states) = (self.shooting.system, self.shooting.states);
         let equilibrium = |parameter: f64, x: &Vector| {

@@ -174,7 +174,7 @@ pub fn continue_equilibrium<Kind>(
     };
     let by_parameter = unit(last + 1, last);
     let near = |mode: Modes| continuation.solve(mode, &at.x, &by_parameter);
-    let is_held = |one: &Equilibrium| holds(system, one.mode, &one.at);
+    let is_held = |one: &BranchEquilibrium| holds(system, one.mode, &one.at);
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
     let first = modes.filter_map(near).find(is_held);
     let first = first
@@ -204,7 +204,7 @@ fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone)]
-struct Equilibrium {
+struct BranchEquilibrium {
     mode: Modes,
     /// The state, followed by the parameter.
     at: Moment,
@@ -215,7 +215,7 @@ struct Equilibrium {
     iterations: usize,
 }
 
-impl Equilibrium {
+impl BranchEquilibrium {
     fn parameter(&self) -> f64 {
         self.at.x[self.at.x.len() - 1]
     }
@@ -272,19 +272,19 @@ struct EquilibriaOnLine<'l> {
 }
 
 impl Path for EquilibriaOnLine<'_> {
-    type Solution = Equilibrium;
+    type Solution = BranchEquilibrium;
 
-    fn on(&self, place: f64) -> Option<Equilibrium> {
+    fn on(&self, place: f64) -> Option<BranchEquilibrium> {
         let line = self.line;
         let guess = &line.from + &line.direction * place;
         self.continuation.solve(line.mode, &guess, &line.row)
     }
 
-    fn finer(&self, place: f64) -> Option<Equilibrium> {
+    fn finer(&self, place: f64) -> Option<BranchEquilibrium> {
         self.on(place)
     }
 
-    fn parameter(&self, one: &Equilibrium) -> f64 {
+    fn parameter(&self, one: &BranchEquilibrium) -> f64 {
         one.parameter()
     }
 }
@@ -297,7 +297,7 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// The equilibrium of a mode near a guess, in the plane through it across a row.
-    fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<Equilibrium> {
+    fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<BranchEquilibrium> {
         // Plain Newton steps converge within ten, unless the Jacobian is nearly singular.
         const MOST_ITERATIONS: usize = 20;
         let count = guess.len();
@@ -321,13 +321,15 @@ impl EquilibriumContinuation<'_> {
                 let speed = (jacobian.abs() * &self.units).amax();
                 let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
                 let along = along_boundaries(self.system, mode, &at, &jacobian, count - 1);
-                return (is_zero(size) && is_zero(off) && is_at_rest).then_some(Equilibrium {
-                    mode,
-                    at,
-                    equations,
-                    along,
-                    iterations,
-                });
+                return (is_zero(size) && is_zero(off) && is_at_rest).then_some(
+                    BranchEquilibrium {
+                        mode,
+                        at,
+                        equations,
+                        along,
+                        iterations,
+                    },
+                );
             }
             last = size;
             at.x += step;
@@ -365,7 +367,7 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// The singular values of the equations and their directions, in units of the components.
-    fn parts(&self, one: &Equilibrium) -> (Vector, Option<Matrix>) {
+    fn parts(&self, one: &BranchEquilibrium) -> (Vector, Option<Matrix>) {
         let mut scaled = one.equations.clone();
         for (k, unit) in self.units.iter().enumerate() {
             scaled.column_mut(k).scale_mut(*unit);
@@ -375,7 +377,7 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// Whether no other equilibria at the same parameter are adjacent to one.
-    fn is_isolated(&self, one: &Equilibrium) -> bool {
+    fn is_isolated(&self, one: &BranchEquilibrium) -> bool {
         let (values, _) = self.parts(one);
         let bound = ZERO * values.max();
         let is_line = values.iter().filter(|value| **value <= bound).count() == 1;
@@ -388,7 +390,7 @@ impl EquilibriumContinuation<'_> {
 
     /// The tangent of the branch at an equilibrium, in the direction in which the product with a
     /// row grows.
-    fn tangent(&self, one: &Equilibrium, row: &Vector) -> Option<EquilibriumTangent> {
+    fn tangent(&self, one: &BranchEquilibrium, row: &Vector) -> Option<EquilibriumTangent> {
         let (_, directions) = self.parts(one);
         let directions = directions?;
         let way = directions.row(directions.nrows() - 1).transpose();
@@ -410,14 +412,15 @@ impl EquilibriumContinuation<'_> {
     fn between(
         &self,
         line: &EquilibriumTangent,
-        (last, next): (&Equilibrium, &Equilibrium),
+        (last, next): (&BranchEquilibrium, &BranchEquilibrium),
         length: f64,
-    ) -> Vec<(Zero<Equilibrium>, EquilibriumBifurcation)> {
+    ) -> Vec<(Zero<BranchEquilibrium>, EquilibriumBifurcation)> {
         let path = self.on(line);
         let width = self.units[self.units.len() - 1];
-        let heading = |one: &Equilibrium| Some(self.tangent(one, &line.row)?.heading() / width);
-        let branch = |one: &Equilibrium| Some(one.along.determinant() / heading(one)?);
-        let rate = |one: &Equilibrium| Some(one.pair()?.re);
+        let heading =
+            |one: &BranchEquilibrium| Some(self.tangent(one, &line.row)?.heading() / width);
+        let branch = |one: &BranchEquilibrium| Some(one.along.determinant() / heading(one)?);
+        let rate = |one: &BranchEquilibrium| Some(one.pair()?.re);
         let size = last.along.amax();
         let boundary = |contact| EquilibriumBifurcation::Boundary {
             contact,
@@ -435,11 +438,15 @@ impl EquilibriumContinuation<'_> {
         let guards = flow.guards().into_iter().filter(|guard| !guard.is_of_jump);
         let guards: Vec<_> = guards
             .map(|guard| {
-                let value = move |one: &Equilibrium| Some(flow.guard(guard.number, &one.at));
+                let value = move |one: &BranchEquilibrium| Some(flow.guard(guard.number, &one.at));
                 (boundary(guard.contact), value)
             })
             .collect();
-        type Named<'f> = (EquilibriumBifurcation, &'f Function<'f, Equilibrium>, f64);
+        type Named<'f> = (
+            EquilibriumBifurcation,
+            &'f Function<'f, BranchEquilibrium>,
+            f64,
+        );
         let mut functions: Vec<Named<'_>> = vec![(hopf, &rate, ROUNDING * size)];
         if is_moved {
             functions.push((EquilibriumBifurcation::Fold, &heading, ROUNDING));
@@ -473,9 +480,9 @@ impl EquilibriumContinuation<'_> {
     /// line on which it leaves the boundary.
     fn behind(
         &self,
-        at: &Equilibrium,
+        at: &BranchEquilibrium,
         contact: usize,
-    ) -> Option<(Equilibrium, EquilibriumTangent)> {
+    ) -> Option<(BranchEquilibrium, EquilibriumTangent)> {
         let last = at.at.x.len() - 1;
         let by_parameter = unit(last + 1, last);
         others(at.mode, contact).find_map(|mode| {
@@ -495,7 +502,7 @@ impl EquilibriumContinuation<'_> {
         })
     }
 
-    fn follow(&self, first: Equilibrium, row: &Vector) -> EquilibriumBranch {
+    fn follow(&self, first: BranchEquilibrium, row: &Vector) -> EquilibriumBranch {
         let mut branch = EquilibriumBranch {
             points: vec![first.point()],
             special: Vec::new(),
@@ -511,7 +518,7 @@ impl EquilibriumContinuation<'_> {
     fn go_on(
         &self,
         branch: &mut EquilibriumBranch,
-        mut last: Equilibrium,
+        mut last: BranchEquilibrium,
         mut line: EquilibriumTangent,
     ) -> Stop {
         let (low, high) = self.settings.range;
@@ -557,7 +564,7 @@ impl EquilibriumContinuation<'_> {
 
     /// The equilibrium after a step on a line, or at the end of the range if that comes first; and
     /// whether it does.
-    fn next(&self, line: &EquilibriumTangent, step: f64) -> Option<(Equilibrium, bool)> {
+    fn next(&self, line: &EquilibriumTangent, step: f64) -> Option<(BranchEquilibrium, bool)> {
         let path = self.on(line);
         let (low, high) = self.settings.range;
         let next = path.on(step)?;
@@ -581,8 +588,8 @@ impl EquilibriumContinuation<'_> {
         &self,
         branch: &mut EquilibriumBranch,
         line: &EquilibriumTangent,
-        (last, next): (&Equilibrium, &Equilibrium),
-    ) -> Option<Result<(Equilibrium, EquilibriumTangent), Stop>> {
+        (last, next): (&BranchEquilibrium, &BranchEquilibrium),
+    ) -> Option<Result<(BranchEquilibrium, EquilibriumTangent), Stop>> {
         let (low, high) = self.settings.range;
         let length = line.row.dot(&(&next.at.x - &line.from));
         let mut behind = None;

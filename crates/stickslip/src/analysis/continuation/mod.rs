@@ -57,7 +57,7 @@ impl ContinuationSettings {
         }
     }
 
-    /// With this period, a multiple of the forcing's.
+    /// Sets the period, a multiple of the forcing's.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         ContinuationSettings {
@@ -154,13 +154,13 @@ pub struct SpecialPoint {
     /// over its slope along the branch. It includes the error of integration, as in
     /// [`SequenceChange::uncertainty`].
     pub uncertainty: f64,
-    /// Its kind.
+    /// Kind.
     pub what: CycleBifurcation,
     /// Number of orbits in [`Branch::points`] before it.
     pub behind: usize,
     /// A state on the orbit, or on the nearest one that could be computed.
     pub x: Vector,
-    /// Its period.
+    /// Period.
     pub period: f64,
 }
 
@@ -181,7 +181,7 @@ pub enum Stop {
     Flip {
         /// The parameter.
         parameter: f64,
-        /// Its uncertainty.
+        /// Uncertainty.
         uncertainty: f64,
     },
     /// A Hopf bifurcation: the orbit shrinks to an equilibrium that has a pair of imaginary
@@ -204,7 +204,7 @@ pub enum Stop {
     TwoFold {
         /// The parameter, extrapolated from those of ever smaller orbits.
         parameter: f64,
-        /// Its uncertainty.
+        /// Uncertainty.
         uncertainty: f64,
     },
     /// The orbit of a driven system comes to rest: its motion is below a thousandth of the widest

@@ -326,13 +326,11 @@ impl<'a> Continuation<'a> {
     pub(super) fn refused(&self, start: &Moment) -> Option<Stop> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let error = run(system, start, start.t + self.branch.last.period, options).err()?;
-        let is_of_friction = matches!(
-            error,
-            Error::StaticBelowKinetic { .. }
-                | Error::HoldsElsewhere { .. }
-                | Error::NotAdditive { .. }
-        );
-        is_of_friction.then_some(Stop::Refused(error))
+        let is_of_friction = |error: &Error| match error {
+            Error::Contacts { fault, .. } => fault.is_of_friction(),
+            _ => false,
+        };
+        is_of_friction(&error).then_some(Stop::Refused(error))
     }
 
     /// Continues to the last orbit on a line, before a place, along which the system can be

@@ -139,7 +139,7 @@ impl Continuation<'_> {
         self.branch.points.len() > 3 && (0.0..=1.0).contains(&part) && is_near
     }
 
-    /// Where a function vanishes on a line, between two places at which it has different signs. The
+    /// Zero of a function on a line, between two places at which it has different signs. The
     /// parameter is that of the orbit there or, if that is more precise, follows from orbits around
     /// it: next to a multiplier of 1, the closing error exceeds rounding.
     pub(super) fn zero(
@@ -176,7 +176,7 @@ impl Continuation<'_> {
         })
     }
 
-    /// Where a function vanishes near a place, by a polynomial through orbits around it. Where
+    /// Zero of a function near a place, by a polynomial through orbits around it. Where
     /// another branch crosses this one, Newton's matrix is singular, and no orbit can be computed
     /// close to it.
     fn interpolated(

@@ -9,7 +9,7 @@ use crate::filippov::Options;
 /// the states.
 type Equation = (f64, Vector, f64);
 
-/// What has been assembled from the segments before the present moment.
+/// Parts assembled from the segments before the present moment.
 struct Assembly<'a> {
     shooting: &'a Shooting<'a>,
     outline: &'a Outline,
@@ -147,7 +147,7 @@ pub(super) struct Equations {
     pub changes: Matrix,
     pub pieces: Vec<Piece>,
     pub monodromy: Matrix,
-    /// Where the orbit is cut.
+    /// Moment at which the orbit is cut.
     pub anchor: Moment,
     /// The vectors that move the orbit at its beginning and at its end.
     pub velocities: [Vector; 2],

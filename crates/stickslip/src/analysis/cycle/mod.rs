@@ -68,7 +68,7 @@ pub(crate) fn unit(count: usize, place: usize) -> Vector {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cycle {
     pub outline: Outline,
-    /// Where each segment begins.
+    /// Start of each segment.
     pub begins: Vec<Moment>,
     pub period: f64,
     /// The derivative of the equations by the unknowns.

@@ -6,10 +6,10 @@ use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
 
-/// What ends a segment.
+/// Transition that ends a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Event {
+pub(crate) struct SegmentEnd {
     /// The guard that vanishes.
     pub guard: usize,
     /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
@@ -23,7 +23,7 @@ pub(crate) struct Event {
     pub at_kink: Option<(usize, f64)>,
 }
 
-impl Event {
+impl SegmentEnd {
     /// The event at a transition.
     fn of(system: &dyn Dynamics, at: &Transition) -> Self {
         let here = at.moment();
@@ -35,7 +35,7 @@ impl Event {
             .filter(|guard| guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind));
         let value = |number: usize| flow.guard(number, &here).abs();
         let least = of_contact.min_by(|a, b| value(a.number).total_cmp(&value(b.number)));
-        Event {
+        SegmentEnd {
             guard: least.map_or(at.contact, |guard| guard.number),
             contact: at.contact,
             is_of_contact: is_of_contact(at.kind),
@@ -53,7 +53,7 @@ fn after(system: &dyn Dynamics, at: &Transition) -> Vector {
     }
 }
 
-/// Where a transition recurs about a period later, by their numbers.
+/// Index of the transition that repeats transition `first` about a period later.
 fn recurrence(transitions: &[&Transition], first: usize, period: f64) -> Option<usize> {
     let begin = transitions[first];
     let is_alike = |at: &Transition| {
@@ -72,8 +72,8 @@ pub(crate) struct Segment {
     pub mode: Modes,
     /// A moment in the segment, which decides whether contact is lost or kept.
     pub inside: Moment,
-    /// What ends it; `None` where the orbit has no transition.
-    pub end: Option<Event>,
+    /// Transition that ends the segment; `None` where the orbit has no transition.
+    pub end: Option<SegmentEnd>,
     pub duration: f64,
 }
 
@@ -97,7 +97,7 @@ pub(crate) struct Cut {
     /// The segment that is also cut in its middle. Near a saddle, neighbouring orbits separate most
     /// in the longest segment.
     pub number: usize,
-    /// Where each segment after the first begins, and after these the middle of that one.
+    /// Starts of the segments after the first, then the middle of the first.
     pub states: Vec<Vector>,
 }
 
@@ -164,7 +164,7 @@ impl Outline {
             let inside = Moment { t, x: orbit.at(t)? };
             segments.push(Segment {
                 mode: pair[0].to,
-                end: Some(Event::of(system, pair[1])),
+                end: Some(SegmentEnd::of(system, pair[1])),
                 inside,
                 duration: pair[1].t - pair[0].t,
             });
@@ -205,7 +205,7 @@ impl Outline {
         Vector::from_vec(all)
     }
 
-    /// The same sequence with other unknowns.
+    /// The sequence with other unknowns.
     pub fn with(&self, unknowns: &Vector) -> Self {
         let n = self.begin.x.len();
         let mut other = self.clone();

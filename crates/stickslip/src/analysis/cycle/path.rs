@@ -21,10 +21,10 @@ pub(crate) trait Path {
     /// value; they are usually less than a step apart.
     fn bracket(
         &self,
-        (mut a, mut at_a): Value,
+        (mut a, mut at_a): PlaceAndValue,
         step: f64,
         function: &Function<'_, Self::Solution>,
-    ) -> Option<[Value; 2]> {
+    ) -> Option<[PlaceAndValue; 2]> {
         // First step, as a fraction of the given one. Chosen: short beside it, long beside
         // rounding.
         const FIRST_STEP: f64 = 1e-2;
@@ -43,10 +43,10 @@ pub(crate) trait Path {
         None
     }
 
-    /// Where a function is zero, between two places at which it has different signs.
+    /// Zero of a function between two places at which it has different signs.
     fn root(
         &self,
-        [a, b]: [Value; 2],
+        [a, b]: [PlaceAndValue; 2],
         function: &Function<'_, Self::Solution>,
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
@@ -58,10 +58,10 @@ pub(crate) trait Path {
         is_zero.then_some((s, solution))
     }
 
-    /// The same, and the uncertainty of its parameter.
+    /// Zero of a function, and the uncertainty of its parameter.
     fn zero(
         &self,
-        [a, b]: [Value; 2],
+        [a, b]: [PlaceAndValue; 2],
         function: &Function<'_, Self::Solution>,
     ) -> Option<Zero<Self::Solution>> {
         let (s, solution) = self.root([a, b], function)?;
@@ -121,7 +121,7 @@ pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
 
 /// A solution at which a function is zero.
 pub(crate) struct Zero<S = Cycle> {
-    /// Its place.
+    /// Place.
     pub s: f64,
     pub parameter: f64,
     pub solution: S,
@@ -130,4 +130,4 @@ pub(crate) struct Zero<S = Cycle> {
 }
 
 /// A place, and the value of a function there.
-type Value = (f64, f64);
+type PlaceAndValue = (f64, f64);

@@ -73,7 +73,7 @@ pub struct SequenceChange {
     /// The contacts whose event function vanishes, counted from 0: two at a coincidence, otherwise
     /// one.
     pub contacts: Vec<usize>,
-    /// Where on the orbit, on the boundary to rounding.
+    /// State on the orbit, on the boundary to rounding.
     pub x: Vector,
     /// The event function on the orbit from which the change was located, relative to its size on
     /// this orbit.
@@ -82,7 +82,7 @@ pub struct SequenceChange {
     /// the field of the incoming orbit; NaN where it arrives in stick. At a graze the first is
     /// zero.
     pub own: [f64; 2],
-    /// The same, positive on the other side, along that side's field. At a crossing- or
+    /// Rates along the other side's field, positive towards that side. At a crossing- or
     /// switching-sliding the first is zero, and the sign of the second tells them apart.
     pub other: [f64; 2],
     /// Period of the orbit.

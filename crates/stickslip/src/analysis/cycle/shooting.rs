@@ -56,7 +56,7 @@ impl<'a> Shooting<'a> {
         !margins.any(|margin| margin.is_violated(self.options))
     }
 
-    /// As [`Shooting::solve`]; in a family, the orbit nearest to the guess.
+    /// [`Shooting::solve`]; in a family, the orbit nearest to the guess.
     pub fn nearest(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let with_family = |family| Shooting { family, ..*self }.solve(guess, row);
         match with_family(0) {

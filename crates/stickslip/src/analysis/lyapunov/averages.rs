@@ -164,7 +164,7 @@ fn std_error(rates: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::statistics::SplitMix;
+    use numerics::SplitMix;
 
     /// Parts of 2000 means of 20 blocks beyond two, three and four of their standard errors, and
     /// the mean of these errors over the true one. The rates are averages of ten values, each

@@ -17,7 +17,7 @@ const IN_SPAN: f64 = 1e-12;
 pub(super) struct Frame {
     columns: Vec<Vector>,
     alive: Vec<bool>,
-    /// What rounding does to a full frame.
+    /// Effect of rounding on a full frame.
     pub(super) shadow: Option<Shadow>,
 }
 
@@ -95,7 +95,7 @@ impl Frame {
         self.gram_schmidt(self.len(), error.max(f64::EPSILON).sqrt())
     }
 
-    /// The same for the surviving vectors; the others are replaced by a completion of the basis.
+    /// Orthonormalises the surviving vectors; the others are replaced by a completion of the basis.
     pub(super) fn orthonormalise_living(&mut self) -> Option<Vec<f64>> {
         let lengths = self.gram_schmidt(self.living().len(), 0.0)?;
         self.complete();

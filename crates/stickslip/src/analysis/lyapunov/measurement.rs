@@ -126,7 +126,7 @@ impl<'a> Measurement<'a> {
         }
     }
 
-    /// Where the measured part of the run has arrived, if it is as long as this.
+    /// End of the measured part of the run, if it is as long as this.
     pub(super) fn reached(&self, least: f64) -> Option<Moment> {
         let is_enough = |at: &&Moment| self.growth.elapsed(at.t) >= least;
         self.reached.as_ref().filter(is_enough).cloned()

@@ -129,7 +129,7 @@ pub fn lyapunov_spectrum<Kind>(
 /// tenth is left out, as an orbit may be inexact before it is lost. Chosen.
 const PART_BEFORE_END: f64 = 0.45;
 
-/// As [`lyapunov_spectrum`], but a measurement that ends early is an error.
+/// [`lyapunov_spectrum`], except that a measurement that ends early is an error.
 pub(super) fn spectrum_of(
     system: &dyn Dynamics,
     start: Moment,

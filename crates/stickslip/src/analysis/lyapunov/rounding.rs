@@ -3,7 +3,7 @@
 use super::frame::take_out;
 use crate::dynamics::{Matrix, Vector};
 use crate::math;
-use crate::statistics::SplitMix;
+use numerics::SplitMix;
 
 /// Largest disturbance of a vector per step, so that a disturbed frame is still one.
 const LARGEST: f64 = 1e-4;

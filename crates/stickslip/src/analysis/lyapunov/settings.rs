@@ -41,19 +41,19 @@ impl SpectrumOptions {
         }
     }
 
-    /// With these settings of the solver.
+    /// Sets the solver's options.
     #[must_use]
     pub fn solver(self, solver: Options) -> Self {
         SpectrumOptions { solver, ..self }
     }
 
-    /// With this number of blocks.
+    /// Sets the number of blocks.
     #[must_use]
     pub fn blocks(self, blocks: usize) -> Self {
         SpectrumOptions { blocks, ..self }
     }
 
-    /// With about this number of points of the running exponents.
+    /// Sets the approximate number of points of the running exponents.
     #[must_use]
     pub fn samples(self, samples: usize) -> Self {
         SpectrumOptions { samples, ..self }

@@ -29,7 +29,7 @@ const MAX_CHANGES: usize = 64;
 const RATE_ROUNDING: f64 = 1e-13;
 
 /// The outcome of a contact at zero.
-pub(super) type Outcome = Mode;
+pub(super) type ContactOutcome = Mode;
 
 /// Every consistent set of outcomes for the holding contacts of `joint`, in their order; `None` if
 /// there are too many to try.
@@ -38,7 +38,7 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     modes: &[Mode; M],
     t: f64,
     x: &State<N>,
-) -> Option<Vec<[Outcome; M]>> {
+) -> Option<Vec<[ContactOutcome; M]>> {
     if S::MULTI_AFFINE && joint.count > 1 {
         return all(joint.count, |outcomes| {
             is_consistent(joint, modes, outcomes, t, x)
@@ -56,9 +56,9 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
 /// All sets of outcomes that pass.
 fn all<const M: usize>(
     count: usize,
-    passes: impl Fn(&[Outcome; M]) -> bool,
-) -> Option<Vec<[Outcome; M]>> {
-    const EACH: [Outcome; 3] = [
+    passes: impl Fn(&[ContactOutcome; M]) -> bool,
+) -> Option<Vec<[ContactOutcome; M]>> {
+    const EACH: [ContactOutcome; 3] = [
         Mode::Stick,
         Mode::Slip(Side::Below),
         Mode::Slip(Side::Above),
@@ -85,7 +85,7 @@ fn all<const M: usize>(
 fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     joint: &Joint<'_, S, M>,
     modes: &[Mode; M],
-    outcomes: &[Outcome; M],
+    outcomes: &[ContactOutcome; M],
     t: f64,
     x: &State<N>,
 ) -> bool {
@@ -193,7 +193,7 @@ impl<const M: usize> Problem<M> {
     }
 
     /// Weights and rates with these outcomes.
-    fn shares_and_rates(&self, outcomes: &[Outcome; M]) -> ([f64; M], [f64; M]) {
+    fn shares_and_rates(&self, outcomes: &[ContactOutcome; M]) -> ([f64; M], [f64; M]) {
         let mut shares = [0.0; M];
         let mut holding = [0; M];
         let mut count = 0;
@@ -257,7 +257,13 @@ impl<const M: usize> Problem<M> {
     /// consistent. Within rounding it holds, and higher derivatives decide. A missing weight is
     /// compared with the rate of the contact in slip, so that rounding does not release and hold it
     /// in turns.
-    fn wanted(&self, i: usize, outcome: Outcome, shares: &[f64; M], rate: f64) -> Outcome {
+    fn wanted(
+        &self,
+        i: usize,
+        outcome: ContactOutcome,
+        shares: &[f64; M],
+        rate: f64,
+    ) -> ContactOutcome {
         let floor = self.floor(i, shares);
         let effect = |j: usize| self.slopes[j][i].abs();
         let strength = match effect(i) {
@@ -275,7 +281,7 @@ impl<const M: usize> Problem<M> {
 
     /// The solution by changing one contact at a time, the first that is inconsistent (Murty's
     /// least-index method; with bounds Júdice & Pires, *J. Oper. Res. Soc.* 43 (1992) 1087).
-    fn by_least_index(&self) -> Option<[Outcome; M]> {
+    fn by_least_index(&self) -> Option<[ContactOutcome; M]> {
         let mut outcomes = [Mode::Stick; M];
         for _ in 0..MAX_CHANGES * self.count {
             let (shares, rates) = self.shares_and_rates(&outcomes);
@@ -290,7 +296,7 @@ impl<const M: usize> Problem<M> {
         None
     }
 
-    fn is_solved_by(&self, outcomes: &[Outcome; M]) -> bool {
+    fn is_solved_by(&self, outcomes: &[ContactOutcome; M]) -> bool {
         let (shares, rates) = self.shares_and_rates(outcomes);
         (0..self.count).all(|i| match outcomes[i] {
             _ if !(shares[i].is_finite() && rates[i].is_finite()) => false,

@@ -4,10 +4,10 @@ use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
 use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error};
 use crate::filippov::flow::{Flow, flow_path};
 use crate::filippov::rules::LieDerivatives;
-use crate::filippov::run::Run;
+use crate::filippov::run::StepState;
 use crate::filippov::switched::Next;
 use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
 use crate::ode::Timed;
@@ -30,7 +30,7 @@ pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
 enum FirstMotion {
     /// Number of derivatives of its guard that vanish.
     Order(usize),
-    /// It does not move by the mode; the contact has this outcome instead.
+    /// Does not move by the mode; the contact has this outcome instead.
     Instead(Mode),
 }
 
@@ -44,7 +44,7 @@ struct InitialDerivatives<const M: usize> {
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not
     /// to be decided are away from zero: none of theirs vanish.
-    pub(super) fn mode(mut self, run: &mut Run<N, M>) -> Result<Next<[Mode; M], M>, Error> {
+    pub(super) fn mode(mut self, run: &mut StepState<N, M>) -> Result<Next<[Mode; M], M>, Error> {
         let decided: Vec<usize> = (0..M)
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
@@ -98,7 +98,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
     /// friction, a released contact changes the loads of the others, which are decided again.
-    fn complement(&mut self, run: &mut Run<N, M>) -> Result<(), Error> {
+    fn complement(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
             for (mode, is_open) in tried.iter_mut().zip(self.open) {
@@ -110,11 +110,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             run.counters.field_calls += joint.field_calls();
             let (t, x) = (self.at.t, &self.at.x);
             let Some(consistent) = solutions(&joint, &self.modes, t, x) else {
-                return Err(Error::TooManyContacts {
-                    t,
-                    x: Point::from(x),
-                    contacts: joint.held().to_vec(),
-                });
+                let contacts = joint.held().to_vec();
+                let fault = ContactFault::TooManyContacts { contacts };
+                return Err(Error::at_contacts(&self.at, fault));
             };
             let held: Vec<usize> = joint.held().to_vec();
             let [outcomes] = consistent[..] else {
@@ -145,7 +143,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Derivatives of the motion in the decided mode.
     fn initial_derivatives(
         &self,
-        run: &mut Run<N, M>,
+        run: &mut StepState<N, M>,
         joint: &Joint<'_, S, M>,
     ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;
@@ -233,7 +231,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         })
     }
 
-    /// As [`Decision::friction`], with these contacts at rest.
+    /// [`Decision::friction`] with these contacts at rest.
     fn friction_with(&self, i: usize, rests: &[bool; M]) -> f64 {
         let joint = self.corners_of(&[i]).with_static_friction_at(rests);
         let affine = joint.affine(self.at.t, components(&self.at.x));
@@ -249,17 +247,17 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Checks that the contacts to be decided form a well-posed problem.
     fn check(&self, contacts: &[usize]) -> Result<(), Error> {
         let Timed { t, x } = self.at;
-        let dependent = |contacts: &[usize]| Error::DependentContacts {
-            t,
-            x: Point::from(&x),
-            contacts: contacts.to_vec(),
+        let fault = |fault| Err(Error::at_contacts(&self.at, fault));
+        let dependent = |contacts: &[usize]| {
+            let contacts = contacts.to_vec();
+            fault(ContactFault::DependentContacts { contacts })
         };
         let normals = gradients(self.system, t, &x);
         let mut gram = [[0.0; M]; M];
         for &i in contacts {
             let size = normals[i].norm();
             if size == 0.0 || !size.is_finite() {
-                return Err(dependent(&[i]));
+                return dependent(&[i]);
             }
             for &j in contacts {
                 gram[i][j] = normals[i].dot(&normals[j]) / (size * normals[j].norm());
@@ -267,16 +265,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
         // Of boundaries that coincide, the gradients span no volume.
         if principal_minor(&gram, contacts) <= RELATIVE_ROUNDING {
-            return Err(dependent(contacts));
+            return dependent(contacts);
         }
         let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
         for (index, &i) in contacts.iter().enumerate() {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
             if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
-                let x = Point::from(&x);
-                return Err(Error::StaticBelowKinetic {
-                    t,
-                    x,
+                return fault(ContactFault::StaticBelowKinetic {
                     contact: i,
                     ratio: at_rest / in_slip,
                 });
@@ -286,19 +281,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 rests[i] = true;
                 let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
                 if (beside - alone).abs() > NEGLIGIBLE_FRICTION * (alone.abs() + in_slip.abs()) {
-                    let x = Point::from(&x);
-                    return Err(Error::HoldsElsewhere {
-                        t,
-                        x,
-                        held: i,
-                        slipping: j,
-                    });
+                    let (held, slipping) = (i, j);
+                    return fault(ContactFault::HoldsElsewhere { held, slipping });
                 }
             }
             for &j in &contacts[index + 1..] {
                 if !S::MULTI_AFFINE && !self.adds_up(i, j) {
-                    let x = Point::from(&x);
-                    return Err(Error::NotAdditive { t, x, pair: (i, j) });
+                    return fault(ContactFault::NotAdditive { pair: (i, j) });
                 }
             }
         }
@@ -329,11 +318,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             .iter()
             .map(|outcomes| format!("{:?}", &outcomes[..contacts.len()]))
             .collect();
-        Error::NoUniqueMode {
-            t: self.at.t,
-            x: Point::from(&self.at.x),
+        let fault = ContactFault::NoUniqueMode {
             contacts: contacts.to_vec(),
             candidates,
-        }
+        };
+        Error::at_contacts(&self.at, fault)
     }
 }

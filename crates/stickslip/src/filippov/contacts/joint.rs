@@ -102,13 +102,13 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         joint
     }
 
-    /// The same with static friction at these contacts and no others.
+    /// The flow with static friction at these contacts and no others.
     pub(super) fn with_static_friction_at(mut self, contacts: &[bool; M]) -> Self {
         self.at_rest = *contacts;
         self
     }
 
-    /// The same with contacts that share their loads, or each with its own.
+    /// The flow with contacts that share their loads, or each with its own.
     #[inline(always)]
     pub(super) fn with_shared_load(mut self, shared: bool) -> Self {
         self.shares_load = shared;

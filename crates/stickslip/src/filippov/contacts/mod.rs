@@ -125,7 +125,7 @@ pub trait Contacts<const N: usize, const M: usize> {
         self.field(sides, t, x)
     }
 
-    /// What the parameters must satisfy, as [`crate::Filippov::check_parameters`].
+    /// Checks the parameters, as [`crate::Filippov::check_parameters`].
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the first parameter that is not allowed.

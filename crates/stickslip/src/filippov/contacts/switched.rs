@@ -4,13 +4,13 @@ use super::decision::Decision;
 use super::joint::{Affine, Joint, gradients, rates};
 use super::{Contacts, Several};
 use crate::dynamics::Modes;
-use crate::error::{Error, Point};
+use crate::error::{ContactFault, Error, Point};
 use crate::filippov::check::check_run;
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::Event;
 use crate::filippov::observer::{Transition, TransitionKind};
 use crate::filippov::options::{AtPileUp, Options};
-use crate::filippov::run::Run;
+use crate::filippov::run::StepState;
 use crate::filippov::switched::{
     Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes,
 };
@@ -89,7 +89,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     /// Off its boundary a contact's side decides. Contacts on their boundaries, to rounding, are
     /// decided together. If that decides nothing, they may hold as where transitions accumulate.
-    fn first_mode(&self, run: &mut Run<N, M>) -> Result<Next<[Mode; M], M>, Error> {
+    fn first_mode(&self, run: &mut StepState<N, M>) -> Result<Next<[Mode; M], M>, Error> {
         let Timed { t, x } = run.at;
         let modes = self
             .0
@@ -108,9 +108,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             decided => return decided,
         };
         let sticking = match &undecided {
-            Error::NoUniqueMode {
-                contacts,
-                candidates,
+            Error::Contacts {
+                fault:
+                    ContactFault::NoUniqueMode {
+                        contacts,
+                        candidates,
+                    },
                 ..
             } if candidates.is_empty() => {
                 let at = run.at;
@@ -131,7 +134,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn switch(
         &self,
-        run: &mut Run<N, M>,
+        run: &mut StepState<N, M>,
         from: [Mode; M],
         branch: &mut bool,
         event: &Event<N>,
@@ -173,7 +176,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn stick_at_accumulation(
         &self,
-        run: &mut Run<N, M>,
+        run: &mut StepState<N, M>,
         mut modes: [Mode; M],
         contacts: &[usize],
         at: &Timed<N>,
@@ -278,7 +281,7 @@ impl<S> Several<S> {
     /// hold in any case.
     fn with_shared_load_kept<const N: usize, const M: usize>(
         &self,
-        run: &Run<N, M>,
+        run: &StepState<N, M>,
         from: [Mode; M],
         contact: usize,
     ) -> Option<([Mode; M], bool)>
@@ -313,7 +316,7 @@ impl<S> Several<S> {
     /// though they may be just leaving.
     fn at_zero<const N: usize, const M: usize>(
         &self,
-        run: &Run<N, M>,
+        run: &StepState<N, M>,
         modes: &[Mode; M],
     ) -> [bool; M]
     where

@@ -93,8 +93,8 @@ mod tests {
     use crate::math;
     use crate::ode::control::squared_error;
     use crate::ode::{Dop853, Rk4, RungeKutta, Timed, Tolerance, henon_step, stages};
-    use crate::statistics::SplitMix;
     use crate::system::State;
+    use numerics::SplitMix;
 
     /// Where a shaken pendulum is when its speed has changed by what it changes by in the part
     /// `rest` of a step.

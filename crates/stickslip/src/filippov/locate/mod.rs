@@ -81,7 +81,7 @@ pub(crate) struct DenseGuard<'a, F, const N: usize> {
     pub origin: &'a Origin<'a, F, N>,
     pub dense: &'a Dense<N>,
     pub guard: usize,
-    /// Its zero at the start, if it has one there.
+    /// Zero at the start, if it has one there.
     pub start: Option<DeflatedGuard>,
     /// The bounds that may still be computed in the search.
     pub bounds_budget: BoundsBudget,
@@ -132,7 +132,7 @@ impl<F: Flow<N>, const N: usize> StepGuard<N> for DenseGuard<'_, F, N> {
 }
 
 impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
-    /// What interval bounds prove of the guard between two parts of the step.
+    /// Proof by interval bounds about the guard between two parts of the step.
     fn bounds(&self, from: f64, to: f64) -> Bounds {
         let first = if self.start.is_some() {
             SAMPLED_START

@@ -43,7 +43,7 @@ pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E
     pub samples: [f64; NODES],
 }
 
-/// What follows a point where the function has its sign beyond rounding.
+/// Crossing that follows a point where the function has its sign beyond rounding.
 enum NextCrossing<const N: usize> {
     /// A zero, and a point after it with the other sign, or without one.
     Crossing(EventProbe<N>, EventProbe<N>),

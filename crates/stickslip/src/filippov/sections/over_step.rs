@@ -147,7 +147,7 @@ impl<K, const N: usize> UseFlow<N> for StateInStep<'_, K, N> {
         let t = step.t_start + part;
         let x = match self.method {
             Method::Taylor => step.dense.at(part / step.dense.h),
-            Method::Dop853 | Method::Dop853Fixed { .. } => self.by_step::<Dop853>(flow, part),
+            Method::Dop853 => self.by_step::<Dop853>(flow, part),
             Method::Rk4 { .. } => self.by_step::<Rk4>(flow, part),
         };
         Timed {

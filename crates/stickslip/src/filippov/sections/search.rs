@@ -103,7 +103,7 @@ where
         }
     }
 
-    /// The same, but only for the first event of each function in a step.
+    /// A search for only the first event of each function in a step.
     pub(crate) fn only_first(self) -> Self {
         let only_first = true;
         EventSearch { only_first, ..self }

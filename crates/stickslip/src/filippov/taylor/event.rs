@@ -7,7 +7,7 @@ use super::step_series::StepSeries;
 use crate::filippov::deflation::{DeflatedGuard, RISE_CHECKS, deflate};
 use crate::filippov::flow::Flow;
 use crate::filippov::guard::{Event, Probe, StepGuard, ZeroKind, first_event};
-use crate::filippov::run::Run;
+use crate::filippov::run::StepState;
 use crate::filippov::runge_kutta::Undefined;
 use crate::filippov::scan::{Bracket, first_bracket, zero_in};
 use crate::filippov::uncertainty::uncertainty;
@@ -197,7 +197,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// If a guard is not defined throughout the step.
     pub(super) fn first_event<F: Flow<N>>(
         &self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
         (reach, end): &(f64, Timed<N>),
     ) -> Result<Option<LocatedEvent<N>>, Undefined> {
@@ -265,7 +265,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 
     /// Whether all guards agree with their series at the end of a step over which these are
     /// positive.
-    pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &Run<N, G>, flow: &F) -> bool {
+    pub(super) fn holds_at_end<F: Flow<N>>(&self, run: &StepState<N, G>, flow: &F) -> bool {
         let (end, _) = self.end(run);
         let at_end = OnceCell::new();
         flow.guards().iter().all(|&guard| {
@@ -309,7 +309,7 @@ fn defined_at_end<F: Flow<N>, const N: usize, const G: usize>(
 /// If the guard is not defined there.
 #[inline(always)]
 fn differs_from_series<F: Flow<N>, const N: usize, const G: usize>(
-    run: &Run<N, G>,
+    run: &StepState<N, G>,
     flow: &F,
     (guard, by_series): (usize, f64),
     end: &Timed<N>,
@@ -332,7 +332,7 @@ fn differs_from_series<F: Flow<N>, const N: usize, const G: usize>(
 /// If the series does not represent the guard.
 #[inline(always)]
 fn first_event_of<F: Flow<N>, const N: usize, const G: usize>(
-    run: &mut Run<N, G>,
+    run: &mut StepState<N, G>,
     flow: &F,
     guard: usize,
     step_series: &StepSeries<N>,
@@ -387,7 +387,7 @@ fn first_event_of<F: Flow<N>, const N: usize, const G: usize>(
 #[cold]
 #[inline(never)]
 fn first_sampled_event<F: Flow<N>, const N: usize, const G: usize>(
-    run: &mut Run<N, G>,
+    run: &mut StepState<N, G>,
     flow: &F,
     guard: usize,
     step_series: &StepSeries<N>,
@@ -425,7 +425,7 @@ fn first_sampled_event<F: Flow<N>, const N: usize, const G: usize>(
 #[cold]
 #[inline(never)]
 fn locate<F: Flow<N>, const N: usize, const G: usize>(
-    run: &mut Run<N, G>,
+    run: &mut StepState<N, G>,
     flow: &F,
     step_series: &StepSeries<N>,
     (i, may_differ): (usize, bool),

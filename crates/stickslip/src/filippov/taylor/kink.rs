@@ -22,9 +22,9 @@ const HELD_ROUNDINGS: f64 = 1e3;
 /// millionth of a step is far above the rounding of what is compared.
 const CERTAIN_PART: f64 = 1.0 - 1e-6;
 
-/// Where two compared numbers are equal (fractions of the step).
+/// Time at which two compared numbers are equal (fractions of the step).
 #[derive(Clone, Copy)]
-pub(super) struct Kink {
+pub(super) struct BranchTie {
     /// The series holds up to here: slightly before the equality, or slightly after it if the
     /// numbers are equal from the start.
     pub(super) before: f64,
@@ -38,9 +38,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// The first change of a comparison in the step that the series depends on, or at the end of
     /// the run up to rounding. Also returns whether two compared numbers are equal at the start and
     /// the result changes after it.
-    pub(super) fn first_kink(&self) -> (Option<Kink>, bool) {
+    pub(super) fn first_kink(&self) -> (Option<BranchTie>, bool) {
         let step_series = &self.step_series;
-        let (mut first, mut at_end, mut is_tie): (Option<Kink>, _, _) = (None, None, false);
+        let (mut first, mut at_end, mut is_tie): (Option<BranchTie>, _, _) = (None, None, false);
         for c in &self.choices {
             let c = &c[..=step_series.order];
             // Numbers that are equal throughout give the same result throughout.
@@ -77,7 +77,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                     let before = f64::max(0.0, s - (after - s));
                     (before, before * CERTAIN_PART)
                 };
-                first = Some(Kink {
+                first = Some(BranchTie {
                     before,
                     certain,
                     after,
@@ -86,7 +86,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 && first.is_none()
                 && power_series(c, 1.0).0 <= 8.0 * f64::EPSILON * size
             {
-                at_end = Some(Kink {
+                at_end = Some(BranchTie {
                     before: 1.0,
                     certain: CERTAIN_PART,
                     after: 1.0,

@@ -8,13 +8,13 @@ mod step_size;
 
 pub(super) use end::Ends;
 use end::{End, sums};
-use kink::{Kink, Reversals, guard_jump};
+use kink::{BranchTie, Reversals, guard_jump};
 use step_series::{Polynomial, StepSeries, origin, powers};
 pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::{Flow, OfFlow};
 use super::options::Options;
-use super::run::{Run, Trial};
+use super::run::{StepState, Trial};
 use crate::error::Error;
 use crate::math;
 use crate::ode::{Dop853, RungeKutta, Timed};
@@ -142,7 +142,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Expands the series at the end of the last step.
     fn expand<F: Flow<N>>(
         &mut self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
         mut repeated: Option<&mut RecordedCalls<N, G>>,
     ) {
@@ -164,7 +164,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     #[inline(never)]
     fn plan_and_take(
         &mut self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         series: &Series<1>,
         time: (Lanes<1>, Lanes<1>),
         x: &[Lanes<1>; N],
@@ -182,7 +182,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 
     /// Plans the next step within the limit that the series gives. Returns its length over the
     /// length that scales the series.
-    pub(super) fn plan(&mut self, run: &mut Run<N, G>, ratio: f64) -> f64 {
+    pub(super) fn plan(&mut self, run: &mut StepState<N, G>, ratio: f64) -> f64 {
         // The step does not grow immediately after a rejection.
         run.h = self.scale * if self.rejected { ratio.min(1.0) } else { ratio };
         let (h, is_last) = run.next_step();
@@ -204,7 +204,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     #[inline(always)]
     pub(super) fn take<const L: usize>(
         &mut self,
-        run: &Run<N, G>,
+        run: &StepState<N, G>,
         series: &Series<L>,
         (lane, ratio): (usize, f64),
         end: Option<End<N, G>>,
@@ -264,7 +264,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 
     /// Begins a phase, or the continuation of one.
-    fn enter<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
+    fn enter<F: Flow<N>>(&mut self, run: &mut StepState<N, G>, flow: &F) {
         let Timed { t, x } = run.at;
         // The rounding remainder belongs to the state it was computed with. Components that landing
         // on Σ has changed lose it.
@@ -287,7 +287,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     }
 
     /// Prepares the next expansion.
-    pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut Run<N, G>, flow: &F) {
+    pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut StepState<N, G>, flow: &F) {
         if self.is_new {
             self.enter(run, flow);
         }
@@ -299,7 +299,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
 
     /// Time and state at the end of the step, and their rounding remainders.
     #[inline(always)]
-    fn end(&self, run: &Run<N, G>) -> (Timed<N>, Timed<N>) {
+    fn end(&self, run: &StepState<N, G>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut remainder) = self.step_series.moved(1.0, &self.end_of_step.rise);
         if self.is_last {
             (at.t, remainder.t) = (run.t_end, 0.0);
@@ -310,7 +310,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// Tries a step with the expanded series.
     pub(super) fn advance<F: Flow<N>>(
         &mut self,
-        run: &mut Run<N, G>,
+        run: &mut StepState<N, G>,
         flow: &F,
         repeated: Option<&mut RecordedCalls<N, G>>,
     ) -> Result<Trial, Error> {
@@ -390,7 +390,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         };
         // Behind a kink the field may have jumped, as where a boundary kinks under stick. The kink
         // is where the series has it, as far as the series is exact.
-        let solves_before = |kink: Kink| {
+        let solves_before = |kink: BranchTie| {
             let (certain, _) = step_series.at(kink.certain);
             let exactly = Options {
                 rtol: run.options.rtol.min(f64::EPSILON),

@@ -205,7 +205,7 @@ mod tests {
     use crate::filippov::options::Options;
     use crate::math;
     use crate::taylor::row::CoefficientRow;
-    use crate::taylor::series::{Expansion, Watched};
+    use crate::taylor::series::{Expansion, WatchedRow};
 
     #[test]
     fn coefficients_of_zero_bound_no_step() {
@@ -217,7 +217,7 @@ mod tests {
             rows[1].set(0, [x * x]);
             let (row, is_linear) = (1, false);
             let expansion = Expansion {
-                watched: [Some(Watched { row, is_linear })],
+                watched: [Some(WatchedRow { row, is_linear })],
                 ..Expansion::default()
             };
             for tol in [1e-15, 1e-12, 0.1] {
@@ -257,7 +257,7 @@ mod tests {
         }
         let (row, is_linear) = (1, false);
         let expansion = Expansion {
-            watched: [Some(Watched { row, is_linear })],
+            watched: [Some(WatchedRow { row, is_linear })],
             ..Expansion::default()
         };
         let ratio = || {
@@ -290,7 +290,7 @@ mod tests {
         }
         let (row, is_linear) = (1, false);
         let expansion = Expansion {
-            watched: [Some(Watched { row, is_linear })],
+            watched: [Some(WatchedRow { row, is_linear })],
             ..Expansion::default()
         };
         let (options, time) = (Options::tol(1e-10), ([1.0], [1.0]));
@@ -311,7 +311,7 @@ mod tests {
         row
     }
 
-    /// The same for a state with that series, or for a constant state and a guard with that series.
+    /// Ratio for a state with that series, or for a constant state and a guard with that series.
     fn ratio_in_powers<const L: usize>(m: [usize; L], p: usize, of_guard: bool) -> [f64; L] {
         let at_rest = CoefficientRow::new();
         at_rest.set(0, [1.0; L]);
@@ -322,7 +322,7 @@ mod tests {
         };
         let (row, is_linear) = (1, !of_guard);
         let expansion = Expansion {
-            watched: [Some(Watched { row, is_linear })],
+            watched: [Some(WatchedRow { row, is_linear })],
             ..Expansion::default()
         };
         step_ratio(

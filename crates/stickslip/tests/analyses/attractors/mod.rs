@@ -2,11 +2,11 @@
 
 use std::f64::consts::PI;
 
+use numerics::SplitMix;
 use stickslip::analysis::{
     Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_on, basin,
     is_same_cycle, periodic_orbit, periodic_orbit_forced,
 };
-use stickslip::statistics::SplitMix;
 use stickslip::system::IntoState;
 use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
 

@@ -1,6 +1,6 @@
 //! Properties of every orbit of any system.
 
-use stickslip::filippov::boundary_gradient;
+use stickslip::boundary_gradient;
 use stickslip::system::components;
 use stickslip::{
     Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,

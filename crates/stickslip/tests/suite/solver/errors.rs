@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use stickslip::analysis::Visibility;
+use stickslip::Visibility;
 use stickslip::error::readable;
 use stickslip::{
     Approach, AtPileUp, Ending, Error, Failure, Method, Options, Orbit, State, TransitionKind,
@@ -127,12 +127,10 @@ fn options_out_of_range() {
         }
     }
     for bad in [0.0, -0.1, f64::NAN, f64::INFINITY] {
-        for method in [Method::Rk4 { step: bad }, Method::Dop853Fixed { step: bad }] {
-            assert_says(
-                &line(0.0, -1.0, 1.0, &good.method(method)),
-                &["method.step", "positive"],
-            );
-        }
+        assert_says(
+            &line(0.0, -1.0, 1.0, &good.method(Method::Rk4 { step: bad })),
+            &["method.step", "positive"],
+        );
         assert_says(
             &line(
                 0.0,

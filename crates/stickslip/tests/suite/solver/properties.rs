@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
-use stickslip::filippov::normal_component;
+use stickslip::normal_component;
 use stickslip::{Mode, Observer, Orbit, Side, State, Transition, TransitionKind};
 
 use super::check::{assert_consistent, changes, ulp_of_boundary};

@@ -2,6 +2,7 @@
 //! across.
 
 use stickslip::TransitionKind::{StickEntry, StickExit};
+use stickslip::error::ContactFault;
 use stickslip::{Error, Mode, Options, Side, State, math};
 
 use super::super::check::{TIGHT, every_locator, kinds};
@@ -72,7 +73,10 @@ fn less_friction_at_rest_than_in_slip_is_an_error_that_says_so() {
     assert!(
         matches!(
             failure.error,
-            Error::StaticBelowKinetic { contact: 0, ratio, .. } if (ratio - 0.5).abs() < 1e-12
+            Error::Contacts {
+                fault: ContactFault::StaticBelowKinetic { contact: 0, ratio },
+                ..
+            } if (ratio - 0.5).abs() < 1e-12
         ),
         "{failure}"
     );

@@ -1,33 +1,31 @@
-//! Terminal output. Only this module prints, sets the exit code and shows progress.
+//! What programs print: results, errors and progress.
 
+use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::failure::Failure;
-use crate::render::CommandOutput;
-
-/// Prints the output of the program, or its error.
+/// Prints a program's result, then what failed, if anything, as `error: …` on standard error.
 ///
-/// Exit code 0 on success, 1 if something failed (`error: …` on standard error), 2 for a wrong
-/// command line or file of a system.
-pub(crate) fn finish(outcome: Result<CommandOutput, Failure>) -> ExitCode {
-    let failed = |error: &dyn std::fmt::Display, code: u8| {
+/// The exit code is that of the failure, 1 if the result cannot be printed, and 0 otherwise.
+pub fn finish(text: &str, failure: Option<(&dyn Display, u8)>) -> ExitCode {
+    end_of_print(print(text), failure)
+}
+
+fn end_of_print(printed: io::Result<()>, failure: Option<(&dyn Display, u8)>) -> ExitCode {
+    let failed = |error: &dyn Display, code: u8| {
         note(&format!("error: {error}"));
         ExitCode::from(code)
     };
-    let answer = match outcome {
-        Ok(answer) => answer,
-        Err(failure) => return failed(&failure, if failure.is_usage() { 2 } else { 1 }),
-    };
-    match (print(&answer.text), &answer.failure) {
-        (_, Some(failure)) => failed(failure, 1),
+    match (printed, failure) {
+        (_, Some((failure, code))) => failed(failure, code),
         // The reader may close the pipe; the files have been written regardless.
-        (Err(error), _) if error.kind() != io::ErrorKind::BrokenPipe => {
+        (Err(error), None) if error.kind() != io::ErrorKind::BrokenPipe => {
             failed(&format!("cannot print: {error}"), 1)
         }
         _ => ExitCode::SUCCESS,
@@ -42,7 +40,7 @@ fn print(text: &str) -> io::Result<()> {
 
 /// Prints a line on standard error. Errors are ignored: if standard error is closed, nobody reads
 /// it.
-pub(crate) fn note(line: &str) {
+pub fn note(line: &str) {
     let _ = writeln!(io::stderr(), "{line}");
 }
 
@@ -50,24 +48,26 @@ pub(crate) fn note(line: &str) {
 const PROGRESS_DELAY: Duration = Duration::from_secs(2);
 
 /// A progress bar on standard error, if that is a terminal. It appears after [`PROGRESS_DELAY`].
-pub(crate) struct DelayedProgressBar {
+pub struct DelayedProgressBar {
     begin: Instant,
     template: String,
     bar: OnceLock<ProgressBar>,
+    counted: AtomicU64,
 }
 
 impl DelayedProgressBar {
     /// A bar with this template of [`ProgressStyle`].
-    pub(crate) fn new(template: impl Into<String>) -> Self {
+    pub fn new(template: impl Into<String>) -> Self {
         DelayedProgressBar {
             begin: Instant::now(),
             template: template.into(),
             bar: OnceLock::new(),
+            counted: AtomicU64::new(0),
         }
     }
 
     /// Reports that `done` of `all` is finished.
-    pub(crate) fn done(&self, done: u64, all: u64) {
+    pub fn done(&self, done: u64, all: u64) {
         if self.begin.elapsed() < PROGRESS_DELAY {
             return;
         }
@@ -87,8 +87,13 @@ impl DelayedProgressBar {
         bar.set_position(done);
     }
 
+    /// Reports that one more of `all` is finished.
+    pub fn one_more(&self, all: u64) {
+        self.done(self.counted.fetch_add(1, Ordering::Relaxed) + 1, all);
+    }
+
     /// Removes the bar from the terminal.
-    pub(crate) fn clear(&self) {
+    pub fn clear(&self) {
         if let Some(bar) = self.bar.get() {
             bar.finish_and_clear();
         }
@@ -96,17 +101,17 @@ impl DelayedProgressBar {
 }
 
 /// The status line of a computation of unknown length.
-pub(crate) struct Status(ProgressBar);
+pub struct Status(ProgressBar);
 
 impl Status {
     /// Sets the text of the line.
-    pub(crate) fn set(&self, words: String) {
+    pub fn set(&self, words: String) {
         self.0.set_message(words);
     }
 }
 
 /// Runs a computation of unknown length, with a spinner after [`PROGRESS_DELAY`].
-pub(crate) fn with_spinner<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
+pub fn with_spinner<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
     let status = Status(ProgressBar::new_spinner().with_message(what.to_owned()));
     status.0.set_draw_target(ProgressDrawTarget::hidden());
@@ -126,4 +131,28 @@ pub(crate) fn with_spinner<T: Send>(what: &str, work: impl FnOnce(&Status) -> T 
         drop(done);
         result
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn same(one: ExitCode, other: u8) {
+        // Exit codes can be formatted but not compared.
+        assert_eq!(format!("{one:?}"), format!("{:?}", ExitCode::from(other)));
+    }
+
+    #[test]
+    fn the_exit_code_says_whether_something_failed() {
+        same(finish("", None), 0);
+        same(finish("", Some((&"no such thing", 1))), 1);
+        same(finish("", Some((&"a wrong command line", 2))), 2);
+    }
+
+    #[test]
+    fn a_reader_who_stops_reading_is_no_failure() {
+        let of = |kind: io::ErrorKind| end_of_print(Err(kind.into()), None);
+        same(of(io::ErrorKind::BrokenPipe), 0);
+        same(of(io::ErrorKind::StorageFull), 1);
+    }
 }

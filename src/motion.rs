@@ -3,10 +3,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::Exponent;
+use stickslip::analysis::Exponent;
 
 /// Largest number of distinct points of the section in a periodic motion, as in
-/// [`super::RecurrenceSettings::most_returns`].
+/// [`stickslip::analysis::RecurrenceSettings::most_returns`].
 const MOST_POINTS: usize = 64;
 
 /// A class of motion.
@@ -37,12 +37,21 @@ impl fmt::Display for Class {
 }
 
 /// A word that names no class.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "'{0}' is no class of motion; it must be periodic, two-periodic, 3-periodic, ..., \
-        quasi-periodic, chaotic or undecided"
-)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownClass(pub String);
+
+impl fmt::Display for UnknownClass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "'{}' is no class of motion; it must be periodic, two-periodic, 3-periodic, ..., \
+             quasi-periodic, chaotic or undecided",
+            self.0
+        )
+    }
+}
+
+impl std::error::Error for UnknownClass {}
 
 impl FromStr for Class {
     type Err = UnknownClass;
@@ -204,7 +213,7 @@ fn labels<const N: usize>(section: &[(f64, [f64; N])], same: f64) -> Vec<usize> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math;
+    use stickslip::math;
 
     /// Points one unit of time apart.
     fn section(points: usize, x: impl Fn(usize) -> f64) -> Vec<(f64, [f64; 2])> {

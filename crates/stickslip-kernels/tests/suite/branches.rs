@@ -1,0 +1,417 @@
+//! Branches of periodic orbits and of equilibria, from files, compared with closed forms.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, Stability, Stop};
+use stickslip::{Options, math};
+use stickslip_kernels::file::System;
+use stickslip_kernels::study::{Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium};
+
+use crate::run::{branch, options, orbit, system, with};
+
+const DEN_HARTOG: &str = include_str!("../../systems/den-hartog.toml");
+
+/// The branch through the orbit of a file with other values of some parameters.
+fn followed(
+    text: &str,
+    settings: &[(&str, f64)],
+    range: (&str, f64, f64),
+) -> (System, WholeBranch) {
+    followed_by(text, settings, range, &options("taylor"))
+}
+
+fn followed_by(
+    text: &str,
+    settings: &[(&str, f64)],
+    range: (&str, f64, f64),
+    options: &Options,
+) -> (System, WholeBranch) {
+    let system = with(text, settings);
+    let branch = branch(&system, range, options);
+    (system, branch)
+}
+
+/// Names and parameters of the special orbits.
+fn special(branch: &WholeBranch) -> Vec<(String, f64)> {
+    let special = branch.special.iter();
+    special
+        .map(|at| (at.what.to_string(), at.parameter))
+        .collect()
+}
+
+fn ends(branch: &WholeBranch) -> [&'static str; 2] {
+    branch.ends().map(|end| end.word)
+}
+
+/// Letters of the phases of each orbit.
+fn phases(system: &System, branch: &WholeBranch) -> Vec<String> {
+    let points = branch.points.iter();
+    points
+        .map(|point| system.sequence(&point.orbit.sequence))
+        .collect()
+}
+
+fn amplitude(frequency: f64, friction: f64) -> f64 {
+    let v = 1.0 / (1.0 - frequency * frequency);
+    let half = PI / frequency;
+    let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+    (v * v - friction * friction * u * u).sqrt()
+}
+
+/// P17: along the frequency the period changes, too. The amplitude is Den Hartog's.
+#[test]
+fn a_driven_orbit_is_continued_in_its_own_period() {
+    let (system, branch) = followed(DEN_HARTOG, &[("O", 0.8)], ("O", 0.6, 0.95));
+    assert!(branch.special.is_empty());
+    assert_eq!(ends(&branch), ["range", "range"]);
+    assert!(branch.points.len() > 20);
+    assert_eq!(branch.points[0].orbit.parameter, 0.6);
+    let x = system.file.states.iter().position(|one| one.name == "x");
+    for point in &branch.points {
+        let frequency = point.orbit.parameter;
+        let period = point.orbit.period;
+        assert!((period - 2.0 * PI / frequency).abs() < 1e-13, "{period}");
+        let known = amplitude(frequency, 0.2);
+        let (low, high) = point.extremes[x.unwrap()];
+        for (found, known) in [(high, known), (low, -known)] {
+            let error = (found - known).abs();
+            assert!(error < 1e-9, "O = {frequency}: {error:e}");
+        }
+    }
+}
+
+/// Friction at which Den Hartog's orbit without stops begins to stop. It turns back at its
+/// amplitude A, with the acceleration A Ω² from spring and force. It sticks if friction exceeds
+/// that.
+fn edge(frequency: f64) -> f64 {
+    let square = frequency * frequency;
+    let v = 1.0 / (1.0 - square);
+    let half = PI / frequency;
+    let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
+    (v * square).abs() / (1.0 + u * u * square * square).sqrt()
+}
+
+/// P17.
+#[test]
+fn the_edge_of_the_region_without_stops_is_den_hartogs() {
+    for frequency in [0.7, 0.8, 1.2, 1.5] {
+        let known = edge(frequency);
+        let set = [("O", frequency), ("S", 0.1)];
+        let (system, branch) = followed(DEN_HARTOG, &set, ("S", 0.05, 0.95));
+        let found = special(&branch);
+        assert!(
+            (found[0].1 - known).abs() < 1e-9,
+            "O = {frequency}: {found:?}, known {known}"
+        );
+        let letters = phases(&system, &branch);
+        let (below, above) = letters.split_at(branch.special[0].behind);
+        assert!(!below.iter().any(|phases| phases.contains('S')));
+        assert!(above.iter().all(|phases| phases.contains('S')));
+    }
+}
+
+/// From an orbit with stops the branch reaches the same edge downwards, and rest upwards. A drive
+/// of amplitude 1 does not move a block with friction 1.
+#[test]
+fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
+    let (_, branch) = followed(DEN_HARTOG, &[("S", 0.9)], ("S", 0.5, 1.2));
+    let found = special(&branch);
+    let [(name, edge_found)] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    assert!(name.starts_with("crossing-sliding"), "{name}");
+    assert!((edge_found - edge(0.7)).abs() < 1e-9, "{edge_found}");
+    assert_eq!(ends(&branch), ["range", "rest"]);
+    assert_eq!(branch.points[0].orbit.parameter, 0.5);
+    let last = branch.points.last().unwrap().orbit.parameter;
+    assert!((0.98..1.0).contains(&last), "{last}");
+}
+
+/// Den Hartog's orbit at S = 0.2 where its stick begins at the edge. It is released at x = -A with
+/// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there.
+/// So rounding leaves nearby orbits open by 1e-5, and the location uncertain by 1e-6.
+#[test]
+fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
+    // From Newton's iteration with 40 digits; the test checks the equations.
+    const FRICTION: f64 = 0.2;
+    const FREQUENCY: f64 = 0.414_489_639_149_120_5;
+    const AMPLITUDE: f64 = 1.164_133_099_064_008_3;
+    let release = -math::acos(FRICTION - AMPLITUDE) / FREQUENCY;
+    let rest = -math::acos(AMPLITUDE - FRICTION) / FREQUENCY;
+    let forced = 1.0 / (1.0 - FREQUENCY * FREQUENCY);
+    let begin = -AMPLITUDE + FRICTION - forced * (FRICTION - AMPLITUDE);
+    let slope = forced * FREQUENCY * math::sin(FREQUENCY * release);
+    let (cos, sin) = (math::cos(rest - release), math::sin(rest - release));
+    let x = begin * cos + slope * sin + forced * (AMPLITUDE - FRICTION) - FRICTION;
+    let v = slope * cos - begin * sin - forced * FREQUENCY * math::sin(FREQUENCY * rest);
+    assert!((x - AMPLITUDE).abs() < 1e-14 && v.abs() < 1e-14, "{x} {v}");
+
+    for (low, high) in [(0.2, 0.8), (0.4, 0.8), (0.35, 0.72)] {
+        let (_, branch) = followed(DEN_HARTOG, &[("O", 0.7)], ("O", low, high));
+        let all = branch.special.iter();
+        let switching = all.filter(|at| at.what.to_string() == "switching-sliding");
+        let [at] = switching.collect::<Vec<_>>()[..] else {
+            panic!("{low}: {:?}", branch.special);
+        };
+        let off = (at.parameter - FREQUENCY).abs();
+        assert!(
+            off < 1e-9 && off <= at.uncertainty && at.uncertainty < 2e-9,
+            "{low}: {off} {}",
+            at.uncertainty
+        );
+    }
+}
+
+/// A graze is noticed only if it is some tolerances deep; its location is the zero of the event
+/// function. At S = 0.1, from Newton's iteration with 30 digits on the closed forms of the phases.
+#[test]
+fn where_phases_change_is_reported_within_the_uncertainty_at_any_tolerance() {
+    const PLACES: [(&str, f64); 2] = [
+        ("grazing-sliding", 0.295_290_401_103_174_5),
+        ("adding-sliding", 0.304_210_379_955_270_2),
+    ];
+    for (tolerance, bound) in [(1e-8, 2e-9), (1e-10, 1e-10), (1e-12, 1e-10)] {
+        let (set, range) = ([("S", 0.1), ("O", 0.3)], ("O", 0.29, 0.31));
+        let options = Options {
+            rtol: tolerance,
+            atol: tolerance,
+            ..options("taylor")
+        };
+        let (_, branch) = followed_by(DEN_HARTOG, &set, range, &options);
+        let special = &branch.special;
+        assert_eq!(special.len(), PLACES.len(), "{tolerance}: {special:?}");
+        for (at, (name, place)) in special.iter().zip(PLACES) {
+            assert_eq!(at.what.to_string(), name);
+            let (off, uncertainty) = ((at.parameter - place).abs(), at.uncertainty);
+            assert!(
+                off <= uncertainty && uncertainty < bound,
+                "{tolerance}, {name}: {off:e} {uncertainty:e}"
+            );
+        }
+    }
+}
+
+/// A continuation at a change of phases may lead back along the branch, which must not alternate.
+#[test]
+fn a_branch_goes_back_only_where_it_folds() {
+    let (_, branch) = followed(DEN_HARTOG, &[("O", 0.7)], ("O", 0.2, 0.8));
+    let found = special(&branch);
+    assert!(found.len() >= 2);
+    assert_eq!(ends(&branch)[0], "range");
+    for (one, two) in found.iter().zip(&found[1..]) {
+        assert!(one.0 != "fold" && two.1 - one.1 > 1e-4, "{found:?}");
+    }
+}
+
+/// Two cycles at `r² = 1 ± √(1 + p)` meet at `p = -1`. The inner one shrinks to the focus at `p =
+/// 0`.
+#[test]
+fn a_fold_of_a_system_from_a_file() {
+    let file = r#"
+name = "rings"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.5
+[definitions]
+grows = "p + 2*(x^2 + y^2) - (x^2 + y^2)^2"
+[contacts.far]
+boundary = "x - 50"
+[field]
+x = "x*grows - y"
+y = "y*grows + x + by_side(far, 0, 1)"
+[start]
+x = 1.3
+y = 0
+"#;
+    let (_, branch) = followed(file, &[], ("p", -1.5, 0.5));
+    let found = special(&branch);
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "fold"));
+    assert!((found[0].1 + 1.0).abs() < 1e-9, "{}", found[0].1);
+    let Stop::Equilibrium {
+        parameter,
+        frequency,
+    } = branch.stops[0]
+    else {
+        panic!("{:?}", branch.stops);
+    };
+    assert!(parameter.abs() < 1e-9 && (frequency - 1.0).abs() < 1e-9);
+}
+
+/// A circle of period 2π on a curved boundary, with a contact force of `p` and a pull of `x +
+/// 1/10`. The orbit never leaves it for `p > 11/10`.
+const SHEET: &str = r#"
+name = "sheet"
+[states]
+x = ""
+y = ""
+z = ""
+[parameters]
+p = 1.3
+[definitions]
+forward = "x*(1 - x^2 - y^2) - y"
+[contacts.sheet]
+boundary = "z - x^2"
+[field]
+x = "forward"
+y = "y*(1 - x^2 - y^2) + x"
+z = "2*x*forward + x + 0.1 + by_side(sheet, p, -p)"
+[start]
+x = 0.5
+y = 0.5
+z = 2
+"#;
+
+#[test]
+fn an_orbit_that_never_slips_is_found_and_followed_to_where_it_does() {
+    let found = orbit(&system(SHEET), &options("taylor"));
+    assert!((found.period - 2.0 * PI).abs() < 1e-9, "{}", found.period);
+    let (system, branch) = followed(SHEET, &[], ("p", 1.0, 1.5));
+    let found = special(&branch);
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "adding-sliding"));
+    assert!((found[0].1 - 1.1).abs() < 1e-9, "{}", found[0].1);
+    let letters = phases(&system, &branch);
+    let all = branch.points.iter().zip(&letters);
+    let slipping = all.filter(|(_, phases)| *phases != "S");
+    assert!(slipping.clone().count() > 0 && letters.last().unwrap() == "S");
+    for (point, _) in slipping {
+        assert!(point.orbit.parameter < 1.1);
+    }
+}
+
+/// For `z' = cos 2t + y/5 - K sgn z` the pull has the amplitude A, the root of (17/4)/(409/100).
+/// For K < 0, the end of the branch, the system is not defined.
+const RELAY: &str = r#"
+name = "relay"
+[time]
+period = "pi"
+[states]
+y = ""
+z = ""
+[parameters]
+K = { value = 1.5, range = [0, inf] }
+[contacts.relay]
+boundary = "z"
+friction = "K"
+[field]
+y = "-0.3*y + cos(2*t)"
+z = "cos(2*t) + 0.2*y - friction(relay)"
+[start]
+y = 0
+z = 0
+"#;
+
+#[test]
+fn a_branch_goes_through_two_changes_at_once_to_the_end_of_what_the_file_allows() {
+    let (_, branch) = followed(RELAY, &[], ("K", 0.0, 3.0));
+    let amplitude = (4.25_f64 / 4.09).sqrt();
+    let vanishing = amplitude / (1.0 + 0.25 * PI * PI).sqrt();
+    let found = special(&branch);
+    let wanted = [
+        ("crossing-sliding", vanishing),
+        ("adding-sliding", amplitude),
+    ];
+    assert_eq!(found.len(), wanted.len(), "{found:?}");
+    for ((name, parameter), (word, exact)) in found.iter().zip(wanted) {
+        assert_eq!(name, word);
+        assert!((parameter - exact).abs() < 1e-9, "{parameter} for {exact}");
+    }
+    let ends = [branch.points.first(), branch.points.last()];
+    let [first, last] = ends.map(|point| point.unwrap().orbit.parameter);
+    assert!(first >= 0.0 && last == 3.0);
+}
+
+/// A branch along which a bad guess would require an endless orbit.
+#[test]
+fn a_long_branch_comes_to_its_end() {
+    let text = include_str!("../../systems/leine.toml");
+    let (_, branch) = followed(text, &[], ("vd", 0.05, 1.5));
+    assert_eq!(ends(&branch), ["range", "range"]);
+}
+
+/// The equilibria of a file along a parameter, through the one that the run comes to.
+fn equilibria(text: &str, (name, low, high): (&str, f64, f64)) -> (System, EquilibriaOfBranch) {
+    let (system, options) = (system(text), options("taylor"));
+    let start = system.start().unwrap();
+    let x = equilibrium(&system, &start, None, &options).unwrap();
+    let settings = ContinuationSettings {
+        step: 0.02,
+        ..ContinuationSettings::over(low, high)
+    };
+    let along = Along::new(&system, name, (low, high)).unwrap();
+    let branch = along.equilibria(&x, &settings, &options).unwrap();
+    (system, branch)
+}
+
+/// A focus at (p, 0) below x = 0; above it the field (-1, -1). For p < 0 there is also an
+/// equilibrium of sliding at y = 1.3 p / 0.7. At p = 0 both vanish.
+const MEETS: &str = r#"
+name = "meets"
+[states]
+x = ""
+y = ""
+[parameters]
+p = -0.3
+[definitions]
+above = "by_side(wall, 0, 1)"
+[contacts.wall]
+boundary = "x"
+[field]
+x = "(1 - above)*(-0.3*(x - p) - y) - above"
+y = "(1 - above)*((x - p) - 0.3*y) - above"
+[start]
+x = -0.4
+y = 0.1
+"#;
+
+#[test]
+fn a_nonsmooth_fold_turns_the_branch_back_on_the_boundary() {
+    let (system, branch) = equilibria(MEETS, ("p", -0.5, 0.5));
+    let [fold] = branch.special.as_slice() else {
+        panic!("{:?}", branch.special);
+    };
+    assert!(fold.parameter.abs() < 1e-12, "{fold:?}");
+    assert_eq!(boundary_of(fold, &system).1, ["-", "S"]);
+    assert!(matches!(
+        fold.what,
+        EquilibriumBifurcation::Boundary { turns: true, .. }
+    ));
+    let ends = [branch.points.first(), branch.points.last()];
+    assert_eq!(ends.map(|at| at.unwrap().parameter), [-0.5, -0.5]);
+    for at in &branch.points {
+        let (p, x, y) = (at.parameter, at.x[0], at.x[1]);
+        let exact = match &*system.sequence(&[at.mode]) {
+            "-" => [p, 0.0],
+            _ => [0.0, 1.3 * p / 0.7],
+        };
+        assert!(
+            (x - exact[0]).abs().max((y - exact[1]).abs()) < 1e-12,
+            "{at:?}"
+        );
+    }
+}
+
+/// `x' = p + x - x³` folds at `x = ±1/√3`.
+#[test]
+fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
+    let cubic = "name = \"cubic\"\n[states]\nx = \"\"\n[parameters]\np = -0.8\n[field]\n\
+                 x = \"p + x - x^3\"\n[start]\nx = -1\n";
+    let (_, branch) = equilibria(cubic, ("p", -1.0, 1.0));
+    let exact = 2.0 / (3.0 * 3.0_f64.sqrt());
+    let special = &branch.special;
+    assert_eq!(special.len(), 2, "{special:?}");
+    for (at, (p, x)) in special.iter().zip([(exact, -1.0), (-exact, 1.0)]) {
+        assert_eq!(at.what, EquilibriumBifurcation::Fold);
+        assert!((at.parameter - p).abs() < 1e-12, "{at:?}");
+        assert!((at.x[0] - x / 3.0_f64.sqrt()).abs() < 1e-6, "{at:?}");
+        assert!(at.uncertainty < 1e-9, "{at:?}");
+    }
+    assert_eq!(branch.points.last().unwrap().parameter, 1.0);
+    for at in &branch.points {
+        let x = at.x[0];
+        assert!((at.parameter + x - x * x * x).abs() < 1e-12);
+        let is_stable = at.stability() == Stability::Stable;
+        assert_eq!(is_stable, x * x > 1.0 / 3.0, "{at:?}");
+    }
+}
