@@ -22,7 +22,7 @@ def test_every_error_of_the_library_has_a_section():
 
 
 def test_every_key_of_a_file_is_in_a_table():
-    folder = CRATES / "stickslip-kernels/src/file"
+    folder = CRATES / "stickslip-model/src/file"
     source = "".join(file.read_text(encoding="utf-8") for file in sorted(folder.glob("*.rs")))
     lists = re.findall(r"\.only\(&\[(.*?)\]\)|const ENTRIES[^=]*= \[(.*?)\];", source, re.S)
     keys = {key for pair in lists for key in re.findall(r'"(\w+)"', "".join(pair))}
@@ -32,7 +32,7 @@ def test_every_key_of_a_file_is_in_a_table():
 
 
 def test_every_function_of_expressions_is_listed():
-    folder = CRATES / "stickslip-kernels/src/expression"
+    folder = CRATES / "stickslip-model/src/expression"
     source = (folder / "functions.rs").read_text(encoding="utf-8")
     functions = re.findall(r'\("(\w+)", Function::', source)
     row = next(line for line in page("file.md").splitlines() if line.startswith("| functions"))

@@ -1,7 +1,7 @@
 //! How much longer a system from a file takes than the same one compiled. The runs take turns, so
 //! that whatever else the machine does meets both alike.
 
-#[path = "../../stickslip-kernels/tests/suite/blocks.rs"]
+#[path = "../../stickslip-model/tests/suite/blocks.rs"]
 mod blocks;
 
 use std::hint::black_box;
@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use blocks::Block;
 use stickslip::dynamics::Section;
 use stickslip::{Filippov, Method, Options, State, run};
-use stickslip_kernels::file::System;
-use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::kernel::{follow, ignore};
+use stickslip_model::file::System;
+use stickslip_model::file::SystemFile;
+use stickslip_model::kernel::{follow, ignore};
 
 /// Time that each orbit is followed for.
 const SPAN: f64 = 100.0;

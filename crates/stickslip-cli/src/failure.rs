@@ -2,7 +2,7 @@
 
 use stickslip::Error;
 use stickslip::error::readable;
-use stickslip_kernels::file::{FileError, Interface, SettingError, System};
+use stickslip_model::file::{FileError, Interface, SettingError, System};
 use stickslip_series::DataError;
 
 use crate::render::OutputError;

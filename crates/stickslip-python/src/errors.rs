@@ -4,8 +4,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::Error;
 use stickslip::error::readable;
-use stickslip_kernels::file::{Interface, PeriodError, SettingError, System};
-use stickslip_kernels::study::{BOUND_OF_TIMES, SearchError};
+use stickslip_model::file::{Interface, PeriodError, SettingError, System};
+use stickslip_model::study::{BOUND_OF_TIMES, SearchError};
 
 pyo3::import_exception!(stickslip._errors, OptionError);
 pyo3::import_exception!(stickslip._errors, StickslipError);

@@ -12,15 +12,15 @@ mod task;
 
 use pyo3::prelude::*;
 use stickslip::{AtPileUp, AtRepelling, Direction, Method, Options};
-use stickslip_kernels::file::{PeriodError, Source, SystemFile};
-use stickslip_kernels::study;
+use stickslip_model::file::{PeriodError, Source, SystemFile};
+use stickslip_model::study;
 
 use errors::{Keywords, failed, no_period, wrong};
 
 /// A compiled system.
 #[pyclass(frozen, module = "stickslip._core")]
 struct System {
-    compiled: stickslip_kernels::file::System,
+    compiled: stickslip_model::file::System,
 }
 
 #[pymethods]

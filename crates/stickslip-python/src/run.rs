@@ -11,9 +11,9 @@ use stickslip::dynamics::{
     Transition, Vector,
 };
 use stickslip::{Ending, Error, Options};
-use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::{FrictionWatch, StepMonitor};
+use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::kernel::follow;
+use stickslip_model::study::{FrictionWatch, StepMonitor};
 
 use crate::errors::{Keywords, failed, words};
 use crate::fields::{Fields, array};

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 use stickslip::dynamics::Interrupt;
-use stickslip_kernels::file::{SettingError, System};
+use stickslip_model::file::{SettingError, System};
 
 /// Interval at which a computation checks for interruptions.
 pub(crate) const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);

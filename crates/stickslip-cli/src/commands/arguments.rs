@@ -8,8 +8,8 @@ use stickslip::{AtPileUp, AtRepelling, Method, Options};
 
 use crate::failure::Failure;
 use crate::render::{CommandOutput, OutputArguments, Report};
-use stickslip_kernels::expression::normal;
-use stickslip_kernels::file::{System, SystemFile, did_you_mean, number};
+use stickslip_model::expression::normal;
+use stickslip_model::file::{System, SystemFile, did_you_mean, number};
 
 /// Parses the value of an option that is a count.
 pub(super) fn count(text: &str) -> Result<NonZeroUsize, String> {

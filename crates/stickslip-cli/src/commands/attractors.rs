@@ -5,7 +5,7 @@ use stickslip::analysis::{Attractor, AttractorKind};
 use stickslip::error::readable;
 
 use crate::render::{Table, by_state, place as within, significant_digits, state_words};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Appends the phases to a text, if there are any.
 pub(super) fn with_phases(text: String, between: &str, phases: &str) -> String {

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use stickslip::analysis::{CycleBifurcation, SequenceChange, WhatChanges};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Phases before and after a change of the phases.
 pub(super) fn phases(system: &System, change: &SequenceChange) -> [String; 2] {

@@ -10,9 +10,9 @@ use super::sweeping::check_period;
 use super::tangents;
 use crate::failure::{CommandLine, Failure};
 use crate::render::{CommandOutput, Report};
-use stickslip_kernels::file::{Formula, InputShape, Rate, System};
-use stickslip_kernels::study::tangents::{BoundaryLine, LineResults};
-use stickslip_kernels::study::warnings;
+use stickslip_model::file::{Formula, InputShape, Rate, System};
+use stickslip_model::study::tangents::{BoundaryLine, LineResults};
+use stickslip_model::study::warnings;
 
 /// Show how a file is read, and what looks wrong in it
 #[derive(Debug, clap::Args)]

@@ -1,7 +1,7 @@
 //! The largest Lyapunov exponent of an attractor, in tables.
 
 use stickslip::analysis::Exponent;
-use stickslip_kernels::study::largest::numbers;
+use stickslip_model::study::largest::numbers;
 
 use crate::render::Table;
 

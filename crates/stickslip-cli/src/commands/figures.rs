@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 
 use plot::*;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Colour of starts that lead to no attractor, by the word for their outcome. It differs from the
 /// colours of attractors.

@@ -10,7 +10,7 @@ use super::figures;
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, within};
 use output::terminal::with_spinner;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Lyapunov exponents of an orbit, from the equations, through slips, sticks and crossings
 ///

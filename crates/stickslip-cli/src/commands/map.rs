@@ -15,8 +15,8 @@ use super::{attractors, exponent, figures};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table};
 use crate::sweep::Store;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{largest, recurrence, reported};
+use stickslip_model::file::System;
+use stickslip_model::study::{largest, recurrence, reported};
 
 /// Show the attractor of the orbit from the start, over a plane of two parameters
 ///

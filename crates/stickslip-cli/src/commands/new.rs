@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use output::{Artifact, WriteError, write_all};
-use stickslip_kernels::file::EXAMPLE;
+use stickslip_model::file::EXAMPLE;
 
 use crate::failure::Failure;
 use crate::render::{CommandOutput, Report};

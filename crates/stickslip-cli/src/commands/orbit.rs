@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::render::{CommandOutput, Report, Table, by_state, explained, place, significant_digits};
 use stickslip::analysis::{Stability, multiplier_uncertainties, multipliers};
 use stickslip::error::readable;
-use stickslip_kernels::study::{extremes, phases_of_period};
+use stickslip_model::study::{extremes, phases_of_period};
 
 /// Find the periodic orbit that a run approaches, by shooting
 ///

@@ -7,7 +7,7 @@ use stickslip::error::readable;
 
 use super::arguments::position;
 use crate::failure::Failure;
-use stickslip_kernels::file::{System, number};
+use stickslip_model::file::{System, number};
 
 /// A range of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -14,9 +14,9 @@ use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, s
 use crate::failure::CommandLine;
 use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
-use stickslip_kernels::file::{InputShape, System};
-use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::{FrictionWatch, StepMonitor};
+use stickslip_model::file::{InputShape, System};
+use stickslip_model::kernel::follow;
+use stickslip_model::study::{FrictionWatch, StepMonitor};
 
 /// Number of parts of a step for a curve through the orbit, which has a point between any two.
 /// Steps of high order are long, so that a curve through their ends alone would be a polygon.

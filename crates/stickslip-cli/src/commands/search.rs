@@ -4,8 +4,8 @@ use serde::Serialize;
 use stickslip::analysis::PeriodicOrbit;
 use stickslip::error::Point;
 use stickslip::{Error, Options};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{MOTION_SEARCH_TIME, PeriodicSearch, SearchError, equilibrium};
+use stickslip_model::file::System;
+use stickslip_model::study::{MOTION_SEARCH_TIME, PeriodicSearch, SearchError, equilibrium};
 
 use super::attractors;
 use super::sweeping::check_period;

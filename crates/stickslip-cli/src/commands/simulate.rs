@@ -10,7 +10,7 @@ use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, by_state};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///

@@ -16,8 +16,8 @@ use crate::sweep::{
     write_whole,
 };
 use output::terminal::DelayedProgressBar;
-use stickslip_kernels::file::{Source, System, SystemFile};
-use stickslip_kernels::study::MOTION_SEARCH_TIME;
+use stickslip_model::file::{Source, System, SystemFile};
+use stickslip_model::study::MOTION_SEARCH_TIME;
 
 /// The part of a sweep to compute, and the number of threads.
 #[derive(Debug, clap::Args)]

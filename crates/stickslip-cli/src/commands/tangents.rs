@@ -10,8 +10,8 @@ use super::arguments::{StartArguments, SystemArguments, position};
 use super::figures;
 use crate::failure::Failure;
 use crate::render::{CommandOutput, OutputArguments, Report, Table};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
+use stickslip_model::file::System;
+use stickslip_model::study::tangents::{BoundaryLine, LineResults, TangentPoint, Zone, ZoneKind};
 
 /// Branches of a boundary, with their tangent points and zones.
 pub(super) type Branches = [(BoundaryLine, LineResults)];

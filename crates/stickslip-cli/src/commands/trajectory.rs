@@ -6,7 +6,7 @@ use stickslip::dynamics::Phase;
 use super::figures::{axis, symbol, time_label, with_unit};
 use super::recording::{Occurrence, Pictures, Recording};
 use crate::render::{OutputError, Report, Table};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// Colours of curves, in order.
 const COLOURS: [Color; 4] = [BLUE, VERMILLION, GREEN, PURPLE];

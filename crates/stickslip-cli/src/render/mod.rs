@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use output::{Artifact, PngError, WriteError};
 use serde::Serialize;
 use serde_json::{Map, Value as Json, json};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 pub(crate) use table::Table;
 pub(crate) use words::{

@@ -6,7 +6,7 @@ use output::Artifact;
 use serde_json::{Value as Json, json};
 use stickslip::dynamics::{Modes, Vector};
 use stickslip::{Mode, Side};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::OutputError;
 use super::words::exact;
@@ -227,7 +227,7 @@ impl<'a, R> Table<'a, R> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip_kernels::file::SystemFile;
+    use stickslip_model::file::SystemFile;
 
     #[test]
     fn csv_and_json_have_the_same_values() {

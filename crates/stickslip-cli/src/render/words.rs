@@ -5,7 +5,7 @@ use serde_json::{Value as Json, json};
 use stickslip::dynamics::Modes;
 use stickslip::error::readable;
 use stickslip::math;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 /// A number that reads back bit for bit.
 pub(super) fn exact(value: f64) -> String {

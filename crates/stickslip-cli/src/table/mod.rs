@@ -9,10 +9,10 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use stickslip::error::readable;
-use stickslip_kernels::text_table::TextTable;
+use stickslip_model::text_table::TextTable;
 
 use rows::Rows;
-pub use stickslip_kernels::text_table::TableError;
+pub use stickslip_model::text_table::TableError;
 
 /// Maximum number of values that are read: 1 GiB.
 const MOST_VALUES: usize = 1 << 27;

@@ -2,7 +2,7 @@
 
 use csv::StringRecord;
 use stickslip::error::readable;
-use stickslip_kernels::text_table::Dialect;
+use stickslip_model::text_table::Dialect;
 use stickslip_series::MAX_COLUMNS;
 
 use super::{MOST_VALUES, Table, TableError, time};

@@ -228,7 +228,7 @@ fn the_edge_along_the_frequency() {
 #[test]
 fn a_period_that_is_missing_or_wrong_is_reported() {
     let top = tempfile::tempdir().unwrap();
-    let text = include_str!("../../../stickslip-kernels/systems/den-hartog.toml");
+    let text = include_str!("../../../stickslip-model/systems/den-hartog.toml");
     let without = text.replace("period = \"2*pi/O\"", "");
     let wrong = text.replace("2*pi/O", "2.1*pi/O");
     assert!(without != text && wrong != text);

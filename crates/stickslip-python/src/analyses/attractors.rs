@@ -11,8 +11,8 @@ use stickslip::analysis::{
     basin_while,
 };
 use stickslip::dynamics::Vector;
-use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::study::{Diagram, largest, recurrence, reported};
+use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::study::{Diagram, largest, recurrence, reported};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};

@@ -7,8 +7,8 @@ use pyo3::types::PyDict;
 use stickslip::analysis::{Branch, ContinuationSettings, PartialBranch, PeriodicOrbit};
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
-use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::study::{Along, WholeBranch};
+use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::study::{Along, WholeBranch};
 
 use super::Start;
 use super::orbits::{Search, approached};

@@ -2,8 +2,8 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::study::{
+use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::study::{
     Along, BranchEnd, EquilibriaOfBranch, boundary_of, equilibrium, frequency_of,
 };
 

@@ -7,9 +7,9 @@ use pyo3::types::PyDict;
 use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Error, Options};
-use stickslip_kernels::file::System as CompiledSystem;
-use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::{PeriodicSearch, SearchError, phases_of_period};
+use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::kernel::follow;
+use stickslip_model::study::{PeriodicSearch, SearchError, phases_of_period};
 
 use super::Start;
 use crate::errors::{Failure, computation, words};

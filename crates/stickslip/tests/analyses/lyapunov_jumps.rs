@@ -4,7 +4,7 @@ use stickslip::analysis::{
     Exponent, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
 };
 use stickslip::{Error, Options, math};
-use stickslip_kernels::file::{Interface, Source, System, SystemFile};
+use stickslip_model::file::{Interface, Source, System, SystemFile};
 
 pub fn system(text: &str) -> System {
     let source = Source {

@@ -3,8 +3,8 @@
 
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Filippov, Scalar, Side};
-use stickslip_kernels::kernel::{Equations, OneContact, Switching, dynamics};
-use stickslip_kernels::trace::trace;
+use stickslip_model::kernel::{Equations, OneContact, Switching, dynamics};
+use stickslip_model::trace::trace;
 
 /// A system in a form for which the solver is compiled: its formulas or, if it branches on values,
 /// a type of its own.

@@ -19,8 +19,8 @@ use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, state_words};
 use crate::sweep::{Store, SweepError};
 use starts::Points;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{recurrence, reported};
+use stickslip_model::file::System;
+use stickslip_model::study::{recurrence, reported};
 
 /// Find which attractor each of many starts in a plane leads to
 ///

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use plot::{BLUE, Figure, Guide, Legend, Markers, ORANGE, Panel, Shape};
 use stickslip::analysis::{AttractorChange, AttractorKind, Exponent};
 use stickslip::dynamics::{Phase, Vector};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::AtValue;
+use stickslip_model::file::System;
+use stickslip_model::study::AtValue;
 
 use super::{Bifurcation, Block};
 use crate::commands::exponent;

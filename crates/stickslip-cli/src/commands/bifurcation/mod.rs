@@ -18,8 +18,8 @@ use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, place};
 use crate::sweep::Store;
 use diagram::DIRECTION_NAMES;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{AtValue, Diagram, recurrence};
+use stickslip_model::file::System;
+use stickslip_model::study::{AtValue, Diagram, recurrence};
 
 /// Follow attractors along a parameter, up and down
 ///

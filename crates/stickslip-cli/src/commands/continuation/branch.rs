@@ -10,8 +10,8 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Options};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{Along, WholeBranch};
+use stickslip_model::file::System;
+use stickslip_model::study::{Along, WholeBranch};
 
 use super::super::range::ParameterRange;
 use super::saving::{BranchSaver, saved, saved_or_computed};

@@ -4,7 +4,7 @@ use plot::{BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, ORANGE, PURPLE, Pa
 use serde_json::json;
 use stickslip::analysis::{Curve, CurvePoint, CurveStop, SpecialPoint};
 use stickslip::error::readable;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::super::figures;
 use super::super::range::ParameterRange;

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 use stickslip::analysis::Stop;
 use stickslip::error::readable;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::BranchEnd;
+use stickslip_model::file::System;
+use stickslip_model::study::BranchEnd;
 
 use crate::failure::in_words;
 use crate::render::within;

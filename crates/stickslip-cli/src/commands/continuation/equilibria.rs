@@ -6,8 +6,8 @@ use stickslip::analysis::{
     EquilibriumBifurcation, EquilibriumPoint, SpecialEquilibrium, Stability,
 };
 use stickslip::error::readable;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{EquilibriaOfBranch, boundary_of, frequency_of};
+use stickslip_model::file::System;
+use stickslip_model::study::{EquilibriaOfBranch, boundary_of, frequency_of};
 
 use super::super::figures;
 use super::super::range::ParameterRange;

@@ -5,8 +5,8 @@ use plot::{
     Shape, VERMILLION,
 };
 use stickslip::analysis::{CycleBifurcation, SpecialPoint, Stability, Stop};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchEnd, BranchOrbit, WholeBranch};
+use stickslip_model::file::System;
+use stickslip_model::study::{BranchEnd, BranchOrbit, WholeBranch};
 
 use super::super::figures;
 use super::super::range::ParameterRange;

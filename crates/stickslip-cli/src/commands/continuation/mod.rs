@@ -14,7 +14,7 @@ use std::num::NonZeroUsize;
 
 use serde::Serialize;
 use stickslip::analysis::ContinuationSettings;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::arguments::{PreparedRun, RunArguments, SolverArguments, StartArguments, count};
 use super::range::ParameterRange;

@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 use stickslip::error::readable;
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchOrbit, WholeBranch};
+use stickslip_model::file::System;
+use stickslip_model::study::{BranchOrbit, WholeBranch};
 
 use super::super::attractors::family_words;
 use super::super::range::ParameterRange;

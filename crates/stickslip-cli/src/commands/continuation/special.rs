@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use stickslip::analysis::{CycleBifurcation, SpecialPoint};
 use stickslip::error::readable;
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::super::changes;
 

@@ -1,7 +1,7 @@
 //! The tables `branch.csv` and `special.csv`.
 
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{BranchOrbit, SpecialRow, WholeBranch};
+use stickslip_model::file::System;
+use stickslip_model::study::{BranchOrbit, SpecialRow, WholeBranch};
 
 use super::branch::SideBranch;
 use crate::render::Table;

@@ -5,8 +5,8 @@ use std::ops::ControlFlow;
 
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Method, Options, TransitionKind};
-use stickslip_kernels::file::{Source, SystemFile};
-use stickslip_kernels::kernel::follow;
+use stickslip_model::file::{Source, SystemFile};
+use stickslip_model::kernel::follow;
 
 /// The boundary is `x - sin t`, and rates point towards it.
 const MOVING: &str = r#"

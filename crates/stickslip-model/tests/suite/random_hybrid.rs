@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use numerics::SplitMix;
 use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
 use stickslip::{Ending, Error, TransitionKind};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use crate::run::{METHODS, options, system};
 

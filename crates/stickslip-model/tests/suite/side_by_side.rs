@@ -7,7 +7,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::Interrupt;
 use stickslip::{Error, Method, Options};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::recorded::open;
 use super::run::system as read;

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section, Summary};
 use stickslip::{Method, Options, TransitionKind};
-use stickslip_kernels::file::{System, SystemFile};
-use stickslip_kernels::kernel::follow;
+use stickslip_model::file::{System, SystemFile};
+use stickslip_model::kernel::follow;
 
 /// A transition: kind, contact, time and state.
 pub type Event = (TransitionKind, usize, f64, Vec<f64>);

@@ -10,8 +10,8 @@ use stickslip::analysis::{
 use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Section, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
 use stickslip::{Ending, Error, math};
-use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::study::{PeriodicSearch, WholeBranch, extremes};
+use stickslip_model::file::SystemFile;
+use stickslip_model::study::{PeriodicSearch, WholeBranch, extremes};
 
 use crate::run::{
     METHODS, Run, SEARCH, branch, branch_through, end, failed, flips, options, orbit, orbit_from,

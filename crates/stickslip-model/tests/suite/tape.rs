@@ -1,7 +1,7 @@
 //! Tapes compute what the expressions say, with few operations and registers.
 
-use stickslip_kernels::expression::Binary::*;
-use stickslip_kernels::expression::{Function, Graph, Id, Tape, TooLarge};
+use stickslip_model::expression::Binary::*;
+use stickslip_model::expression::{Function, Graph, Id, Tape, TooLarge};
 
 fn value<const OUTPUTS: usize>(tape: &Tape, t: f64, x: &[f64]) -> [f64; OUTPUTS] {
     let mut out = [f64::NAN; OUTPUTS];

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, Stability, Stop};
 use stickslip::{Options, math};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium};
+use stickslip_model::file::System;
+use stickslip_model::study::{Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium};
 
 use crate::run::{branch, options, orbit, system, with};
 

@@ -1,6 +1,6 @@
 //! From text to trees of expressions.
 
-use stickslip_kernels::expression::{Binary, Expression, ExpressionKind, parse};
+use stickslip_model::expression::{Binary, Expression, ExpressionKind, parse};
 
 /// The expression with all parentheses written.
 fn printed(expression: &Expression) -> String {

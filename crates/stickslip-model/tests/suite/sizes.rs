@@ -1,6 +1,6 @@
 //! How many states and contacts a file can have.
 
-use stickslip_kernels::file::{SettingError, Source, System, SystemFile};
+use stickslip_model::file::{SettingError, Source, System, SystemFile};
 
 /// A system with a given number of states, each stopped by a contact.
 fn system(states: usize, contacts: usize) -> Result<System, SettingError> {

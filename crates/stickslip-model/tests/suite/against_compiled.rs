@@ -1,7 +1,7 @@
 //! Systems from files have the same orbits as the same systems compiled.
 
 use stickslip::{Contacts, Counters, Filippov, Scalar, Several, Side, State, solve};
-use stickslip_kernels::file::System;
+use stickslip_model::file::System;
 
 use super::blocks::Block;
 use super::recorded::{Event, methods, open, run};

@@ -8,9 +8,9 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Passage, Summary};
 use stickslip::{Ending, Error, Method, Options};
-use stickslip_kernels::file::{InputShape, Interface, Source, System, SystemFile};
-use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::{Along, PeriodicSearch, WholeBranch};
+use stickslip_model::file::{InputShape, Interface, Source, System, SystemFile};
+use stickslip_model::kernel::follow;
+use stickslip_model::study::{Along, PeriodicSearch, WholeBranch};
 
 pub const METHODS: [&str; 2] = ["taylor", "dop853"];
 

@@ -6,8 +6,8 @@ use stickslip::analysis::monodromy;
 use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, Section, Vector};
 use stickslip::math::exp;
 use stickslip::{Method, Options};
-use stickslip_kernels::file::{Source, System, SystemFile};
-use stickslip_kernels::kernel::{follow, ignore};
+use stickslip_model::file::{Source, System, SystemFile};
+use stickslip_model::kernel::{follow, ignore};
 
 fn read(name: &str, input: &str, rate: &str) -> Result<System, String> {
     let text = format!(

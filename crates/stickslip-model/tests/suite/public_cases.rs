@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{AttractorKind, SpectrumOptions, Stop, basin, lyapunov_spectrum};
 use stickslip::{Ending, Options, math};
-use stickslip_kernels::study::recurrence;
+use stickslip_model::study::recurrence;
 
 use crate::run::{METHODS, branch, end, options, orbit, simulated, simulated_by, system};
 

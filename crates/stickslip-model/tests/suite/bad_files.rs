@@ -1,6 +1,6 @@
 //! Files with one error each: the message, its location in the file, and the advice.
 
-use stickslip_kernels::file::{FileError, Problem, Source, SystemFile};
+use stickslip_model::file::{FileError, Problem, Source, SystemFile};
 
 use crate::run::parsed;
 

@@ -6,9 +6,9 @@ use std::thread::Builder;
 use stickslip::Error;
 use stickslip::error::Point;
 use stickslip::math::sin;
-use stickslip_kernels::expression::parse;
-use stickslip_kernels::file::{Interface, Source, System, SystemFile};
-use stickslip_kernels::kernel::Combination;
+use stickslip_model::expression::parse;
+use stickslip_model::file::{Interface, Source, System, SystemFile};
+use stickslip_model::kernel::Combination;
 
 const TERMS: usize = 30_000;
 

@@ -1,8 +1,8 @@
 //! Minimum and maximum of the states along an orbit.
 
 use stickslip::Options;
-use stickslip_kernels::file::{Source, SystemFile};
-use stickslip_kernels::study::extremes;
+use stickslip_model::file::{Source, SystemFile};
+use stickslip_model::study::extremes;
 
 #[test]
 fn a_maximum_inside_a_step_is_found_to_rounding() {

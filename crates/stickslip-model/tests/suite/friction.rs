@@ -4,9 +4,9 @@ use std::ops::ControlFlow;
 
 use stickslip::Options;
 use stickslip::dynamics::{OrbitProgress, Section};
-use stickslip_kernels::file::{Source, System, SystemFile};
-use stickslip_kernels::kernel::follow;
-use stickslip_kernels::study::FrictionWatch;
+use stickslip_model::file::{Source, System, SystemFile};
+use stickslip_model::kernel::follow;
+use stickslip_model::study::FrictionWatch;
 
 fn system(law: &str, set: &[(String, f64)]) -> Result<System, String> {
     let text = format!(

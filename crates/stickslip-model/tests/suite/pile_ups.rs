@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{AttractorKind, basin};
 use stickslip::{AtPileUp, Ending, Error, Options};
-use stickslip_kernels::study::recurrence;
+use stickslip_model::study::recurrence;
 
 use crate::run::{METHODS, Run, Transition, end, failed, options, simulated, simulated_by};
 

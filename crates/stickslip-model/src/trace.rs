@@ -146,7 +146,7 @@ fn traced<const N: usize, const K: usize>(
 ///
 /// ```
 /// use stickslip::{Filippov, Options, Scalar, Side, solve};
-/// use stickslip_kernels::trace::trace;
+/// use stickslip_model::trace::trace;
 ///
 /// /// A block on a floor, pushed with a period.
 /// struct Pushed;

@@ -6,8 +6,8 @@ use stickslip::analysis::{
 };
 use stickslip::math;
 use stickslip::{Method, Options};
-use stickslip_kernels::file::System;
-use stickslip_kernels::study::{Along, PeriodicSearch};
+use stickslip_model::file::System;
+use stickslip_model::study::{Along, PeriodicSearch};
 
 use crate::run::{SEARCH, orbit_from, system};
 

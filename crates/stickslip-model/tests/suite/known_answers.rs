@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent, lyapunov_spectrum};
 use stickslip::{Method, Options, Side, Visibility, math};
-use stickslip_kernels::file::SystemFile;
-use stickslip_kernels::study::extremes;
-use stickslip_kernels::study::tangents::{BoundaryLine, LineResults, ZoneKind};
+use stickslip_model::file::SystemFile;
+use stickslip_model::study::extremes;
+use stickslip_model::study::tangents::{BoundaryLine, LineResults, ZoneKind};
 
 use crate::recorded::{open, run};
 use crate::run::{options, orbit, system as read};
