@@ -94,7 +94,7 @@ impl Strobe {
         t_end: f64,
         options: &Options,
     ) -> Result<Summary, Error> {
-        let mut orbit = system.begin(start, t_end, options, &Section::None)?;
+        let mut orbit = system.begin(start, t_end, options, &[])?;
         loop {
             match orbit.step()? {
                 OrbitProgress::Step if self.due() <= orbit.t() => {

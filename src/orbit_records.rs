@@ -7,10 +7,10 @@ use stickslip::{Direction, EventFunctions, EventSearch, Options, Scalar, StepRec
 /// Event function: the block's velocity falls through zero.
 struct TurningPointEvent;
 
-impl EventFunctions<4, 1> for TurningPointEvent {
+impl EventFunctions<4> for TurningPointEvent {
     #[inline(always)]
-    fn values<T: Scalar>(&self, _t: T, x: &[T; 4]) -> [T; 1] {
-        [x[1]]
+    fn value<T: Scalar>(&self, _number: usize, _t: T, x: &[T; 4]) -> T {
+        x[1]
     }
 
     fn direction(&self, _number: usize) -> Direction {
@@ -20,7 +20,7 @@ impl EventFunctions<4, 1> for TurningPointEvent {
 
 /// The returns of an orbit to the section.
 pub(crate) struct TurningPoints<'a> {
-    search: EventSearch<'a, BlockAndBracket, TurningPointEvent, 4, 1>,
+    search: EventSearch<'a, BlockAndBracket, TurningPointEvent, 4>,
     /// Times and states.
     pub(crate) points: Vec<(f64, [f64; 4])>,
 }

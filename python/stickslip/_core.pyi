@@ -35,7 +35,7 @@ class System:
     def __new__(cls, name: str, text: str, settings: Sequence[tuple[str, float]]) -> System: ...
     @staticmethod
     def text_of(path: str) -> str: ...
-    def with_section(self, function: str, direction: int) -> System: ...
+    def with_sections(self, sections: list[tuple[str, int]]) -> System: ...
     @property
     def name(self) -> str: ...
     @property
@@ -63,7 +63,7 @@ def solve(
     system: System,
     start: _Start,
     until: tuple[float, float],
-    events: Sequence[tuple[System, int]],
+    most: Sequence[int],
     t_eval: NDArray[np.float64] | None,
     dense_output: bool,
     settings: _Settings,

@@ -103,7 +103,7 @@ def event(
 def section_of(system: System, watched: Event | Expression) -> _core.System:
     """The system with an event as its section."""
     watched = watched if isinstance(watched, Event) else event(watched)
-    return system._section(watched.function, watched.direction)
+    return system._with_sections([(watched.function, watched.direction)])
 
 
 class DenseOutput:
@@ -196,8 +196,9 @@ class Solution:
     message : str
         The same in words.
     transitions : ndarray, structured
-        Changes of mode and jumps: ``t``, ``kind``, ``contact``, ``from_mode``, ``to_mode``, ``y``
-        (after it), ``residual`` of the boundary function.
+        Changes of mode and jumps: ``t``, ``kind``, ``contact``, ``from_mode``, ``to_mode``,
+        ``y_before`` and ``y`` (the states before and after it), ``residual`` of the boundary
+        function.
     phases : ndarray, structured
         Intervals of one mode: ``t_start``, ``t_end``, ``mode``, ``y_start``, ``y_end``. A mode is
         ``-`` or ``+`` for slip below or above, ``S`` for stick; ``|`` separates several contacts.
@@ -290,8 +291,8 @@ def solve_ivp(
     dense_output : bool, optional
         Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
-        Further events to locate. Each event beyond the first costs another run of the same orbit.
-        Symbols in them have the values that they have in the system.
+        Further events to locate in the same run, whose bits they do not change. The first terminal
+        one in time ends it. Symbols in them have the values that they have in the system.
     progress : bool, optional
         Whether to show the progress of the run; as a bar if tqdm is installed.
     **options : Options
@@ -337,15 +338,15 @@ def solve_ivp(
             )
     given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]
     watched = [one if isinstance(one, Event) else event(one) for one in given]
-    sections = [(section_of(system, one), one.terminal) for one in watched]
+    core = system._with_sections((one.function, one.direction) for one in watched)
     made = settings({"method": method, **options})
     with progress_report(progress, "solve_ivp", "", span=(t0, t_end)) as report:
         found = call_engine(
             _core.solve,
-            system._core,
+            core,
             begin,
             (t_end, math.inf),
-            sections,
+            [one.terminal for one in watched],
             times,
             dense_output,
             made,
@@ -358,11 +359,11 @@ def solve_ivp(
         warnings.warn(found["message"], SolverWarning, stacklevel=2)
     for doubt in found.pop("doubtful"):
         warnings.warn(doubt, SolverWarning, stacklevel=2)
-    passed, core = found.pop("events"), found.pop("sol")
+    passed, dense = found.pop("events"), found.pop("sol")
     found["y"] = found["y"].T
     for table in ("transitions", "phases"):
         found[table] = structured(found[table])
-    between = DenseOutput((system, begin, t_end, made), end, core)
+    between = DenseOutput((system, begin, t_end, made), end, dense)
     return make_result(
         found,
         Solution,

@@ -68,14 +68,19 @@ class System:
         self._core = _core.System(origin, text, list(settings.items()))
         self._sections: dict[tuple[Any, ...], _core.System] = {}
 
-    def _section(self, function: Expression, direction: int) -> _core.System:
-        """The same system with a section, stored for further runs."""
-        key = (function.text, direction, function.parts)
+    def _with_sections(self, sections: Iterable[tuple[Expression, int]]) -> _core.System:
+        """The same system with sections, stored for further runs."""
+        wanted = [(one.text, direction, one) for one, direction in sections]
+        key = tuple((text, direction, one.parts) for text, direction, one in wanted)
+        if not key:
+            return self._core
         if key not in self._sections:
-            self._check_symbols(function)
+            for _, _, function in wanted:
+                self._check_symbols(function)
             if len(self._sections) >= 64:
                 self._sections.clear()
-            self._sections[key] = self._core.with_section(function.text, direction)
+            pairs = [(text, direction) for text, direction, _ in wanted]
+            self._sections[key] = self._core.with_sections(pairs)
         return self._sections[key]
 
     def _check_symbols(self, formula: Expression) -> None:

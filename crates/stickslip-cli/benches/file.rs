@@ -38,7 +38,7 @@ fn from_file(system: &System, x: &[f64], options: &Options) -> f64 {
         (0.0, x),
         SPAN,
         options,
-        &Section::None,
+        &[],
         &mut ignore,
     )
     .map_or(f64::NAN, |ended| ended.x[0])

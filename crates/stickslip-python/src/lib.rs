@@ -40,15 +40,18 @@ impl System {
         Ok(SystemFile::open(path).map_err(wrong)?.source.text)
     }
 
-    /// The same system with another section, of a direction given by its sign.
-    fn with_section(&self, function: &str, direction: i32) -> PyResult<System> {
-        let direction = match direction.signum() {
+    /// The same system with other sections, each of a direction given by its sign.
+    fn with_sections(&self, sections: Vec<(String, i32)>) -> PyResult<System> {
+        let direction = |sign: i32| match sign.signum() {
             1 => Direction::Rising,
             -1 => Direction::Falling,
             _ => Direction::Both,
         };
-        let compiled = self.compiled.with_section(function, direction);
-        let compiled = compiled.map_err(wrong)?;
+        let sections = sections.iter();
+        let sections: Vec<_> = sections
+            .map(|(function, sign)| (function.as_str(), direction(*sign)))
+            .collect();
+        let compiled = self.compiled.with_sections(&sections).map_err(wrong)?;
         Ok(System { compiled })
     }
 

@@ -54,10 +54,6 @@ impl Signals {
     }
 }
 
-/// An event from Python: the system with the section of the event, and the number of events after
-/// which the run ends (0 for never).
-type Event<'py> = (PyRef<'py, System>, usize);
-
 /// Passages of one event.
 struct Passages {
     found: Vec<Passage>,
@@ -92,38 +88,10 @@ impl Passages {
     }
 }
 
-/// The same orbit with the section of another event, followed beside the recorded one.
-struct OtherEvent<'a> {
-    passages: Passages,
-    orbit: Box<dyn OrbitUnderWay + 'a>,
-    /// Start of its last step, before which all passages are known; infinite at its end.
-    reached: f64,
-}
-
-impl OtherEvent<'_> {
-    /// Finds all passages up to a time.
-    fn advance(&mut self, until: f64, limit: &mut f64) {
-        while self.reached < until {
-            let is_at_end = match self.orbit.step() {
-                Ok(OrbitProgress::Step) => {
-                    self.reached = self.orbit.last_step().t_start;
-                    false
-                }
-                Ok(OrbitProgress::Passage(at)) => self.passages.passed(at, limit).is_break(),
-                // The recorded run fails in the same way.
-                Ok(OrbitProgress::End(_)) | Err(_) => true,
-                Ok(_) => false,
-            };
-            if is_at_end {
-                self.reached = f64::INFINITY;
-            }
-        }
-    }
-}
-
 /// Recording of an orbit for Python.
 struct Recording<'a> {
-    passages: Passages,
+    /// Passages of each event.
+    events: Vec<Passages>,
     /// The run ends at this time.
     limit: f64,
     signals: &'a mut Signals,
@@ -136,7 +104,8 @@ struct Recording<'a> {
     /// Requested times that are not yet reached, the next one last.
     requested: Option<Vec<f64>>,
     phases: Vec<Phase>,
-    transitions: Vec<Transition>,
+    /// Transitions, each with the state after it.
+    transitions: Vec<(Transition, Vector)>,
     /// Steps with their solutions, if dense output is requested.
     steps: Option<Vec<(Step, Solution)>>,
     last: (f64, Vector),
@@ -147,37 +116,32 @@ impl Recording<'_> {
         &mut self,
         progress: OrbitProgress,
         orbit: &mut dyn OrbitUnderWay,
-        others: &mut [OtherEvent<'_>],
     ) -> ControlFlow<()> {
         if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
             self.monitor.begin_anew();
         }
         match progress {
-            OrbitProgress::Step => return self.step(orbit, others),
-            OrbitProgress::Passage(at) => return self.passages.passed(at, &mut self.limit),
+            OrbitProgress::Step => return self.step(orbit),
+            OrbitProgress::Passage(at) => {
+                return self.events[at.number].passed(at, &mut self.limit);
+            }
             OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
             OrbitProgress::Transition(at) if at.t <= self.limit => {
-                self.transitions.push(at);
+                let after = Vector::from_column_slice(orbit.x());
+                self.transitions.push((at, after));
             }
             _ => {}
         }
         ControlFlow::Continue(())
     }
 
-    fn step(
-        &mut self,
-        orbit: &mut dyn OrbitUnderWay,
-        others: &mut [OtherEvent<'_>],
-    ) -> ControlFlow<()> {
+    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let step = orbit.last_step();
         let decision = match step.t_start > self.limit {
             true => ControlFlow::Break(()),
             false => self.signals.check_signals(step.t_end),
         };
         if decision.is_continue() {
-            let limit = &mut self.limit;
-            let others = others.iter_mut();
-            others.for_each(|other| other.advance(step.t_end, limit));
             self.points_of(&step, orbit);
             self.friction.step(orbit);
             self.doubtful.extend(self.monitor.step(&step, &Keywords));
@@ -215,7 +179,7 @@ impl Recording<'_> {
     /// Removes what lies after the event that ends the run.
     fn cut(&mut self, at: &Passage) {
         let wants_all = self.requested.is_none();
-        self.transitions.retain(|one| one.t <= at.t);
+        self.transitions.retain(|(one, _)| one.t <= at.t);
         self.points.retain(|(t, _)| *t <= at.t);
         if wants_all && self.points.last().is_none_or(|(t, _)| *t < at.t) {
             self.points.push((at.t, at.x.clone()));
@@ -233,47 +197,26 @@ impl Recording<'_> {
 /// Result of a run.
 struct Solved<'a> {
     recording: Recording<'a>,
-    events: Vec<Vec<Passage>>,
     outcome: Result<Summary, Error>,
     /// Whether an event ended the run.
     is_terminated: bool,
 }
 
-/// Follows an orbit. Each event has its own section. The orbit of the last one is recorded; those
-/// of the others are the same, and are followed beside it.
+/// Follows an orbit. Its system has a section for each event; `most` passages of it end the run (0
+/// for never).
 fn solved<'a>(
-    systems: &[(&'a CompiledSystem, usize)],
+    system: &'a CompiledSystem,
+    most: &[usize],
     ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
     (requested, keeps_steps, limit): (Option<Vec<f64>>, bool, f64),
     signals: &'a mut Signals,
-) -> Result<Solved<'a>, Error> {
-    let Some((&(recorded, most), others)) = systems.split_last() else {
-        return Err(Error::NotConverged {
-            what: "a run of no system",
-            iterations: 0,
-            residual: 0.0,
-            wanted: 0.0,
-        });
-    };
+) -> Solved<'a> {
     let start = (t, Vector::from_column_slice(x));
-    let begin = |&(system, most): &(&'a CompiledSystem, usize)| -> Result<_, Error> {
-        let at = Moment {
-            t,
-            x: start.1.clone(),
-        };
-        let (dynamics, section) = (system.dynamics(), system.section());
-        Ok(OtherEvent {
-            passages: Passages::new(most),
-            orbit: dynamics.begin(&at, t_end, options, &section)?,
-            reached: t,
-        })
-    };
-    let mut others: Vec<OtherEvent<'_>> = others.iter().map(begin).collect::<Result<_, _>>()?;
     let mut recording = Recording {
-        passages: Passages::new(most),
+        events: most.iter().map(|&most| Passages::new(most)).collect(),
         limit,
         signals,
-        friction: FrictionWatch::new(recorded),
+        friction: FrictionWatch::new(system),
         monitor: StepMonitor::new((t, x), t_end, options),
         doubtful: Vec::new(),
         points: match requested {
@@ -284,33 +227,31 @@ fn solved<'a>(
         phases: Vec::new(),
         transitions: Vec::new(),
         steps: keeps_steps.then(Vec::new),
-        last: start.clone(),
+        last: start,
     };
     if let Some(requested) = &mut recording.requested {
         while requested.pop_if(|time| *time == t).is_some() {
             recording.points.push(recording.last.clone());
         }
     }
-    let mut watcher =
-        |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit, &mut others);
-    let (dynamics, section) = (recorded.dynamics(), recorded.section());
-    let outcome = follow(dynamics, (t, x), t_end, options, &section, &mut watcher);
-    let others = others.into_iter();
-    let mut events: Vec<Passages> = others.map(|other| other.passages).collect();
-    events.push(std::mem::replace(&mut recording.passages, Passages::new(0)));
-    let terminal = events.iter().filter_map(Passages::terminal);
+    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
+    let sections = system.sections();
+    // Without events the section of the system is not used.
+    let sections = sections.get(..most.len()).unwrap_or_default();
+    let dynamics = system.dynamics();
+    let outcome = follow(dynamics, (t, x), t_end, options, sections, &mut watcher);
+    let terminal = recording.events.iter().filter_map(Passages::terminal);
     let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
     if let Some(at) = &terminal {
         recording.cut(at);
-        let found = events.iter_mut().map(|event| &mut event.found);
+        let found = recording.events.iter_mut().map(|event| &mut event.found);
         found.for_each(|found| found.retain(|one| one.t <= at.t));
     }
-    Ok(Solved {
+    Solved {
         recording,
-        events: events.into_iter().map(|event| event.found).collect(),
         outcome,
         is_terminated: terminal.is_some(),
-    })
+    }
 }
 
 /// Follows an orbit from `t` to `t_end`, as far as `limit`.
@@ -324,7 +265,7 @@ pub(crate) fn solve<'py>(
     system: &System,
     start: (f64, Vec<f64>),
     until: (f64, f64),
-    events: Vec<Event<'py>>,
+    most: Vec<usize>,
     t_eval: Option<PyReadonlyArray1<'py, f64>>,
     dense_output: bool,
     settings: Settings,
@@ -332,22 +273,14 @@ pub(crate) fn solve<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t_end, limit) = until;
     let options = settings.options()?;
-    let mut systems: Vec<(&CompiledSystem, usize)> = events
-        .iter()
-        .map(|(system, most)| (&system.compiled, *most))
-        .collect();
-    // Without events the section of the system is not used.
-    if systems.is_empty() {
-        systems.push((&system.compiled, 0));
-    }
     let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
     let mut signals = Signals::new(report);
     let wanted = (requested, dense_output, limit);
-    let solved = py.detach(|| solved(&systems, ((t, &x), t_end, &options), wanted, &mut signals));
     let compiled = &system.compiled;
-    let solved = solved.map_err(|error| failed(&error, Some(compiled)))?;
-    let fields = described(py, compiled, solved, (t, x.len()), events.len())?;
+    let run = ((t, &x[..]), t_end, &options);
+    let solved = py.detach(|| solved(compiled, &most, run, wanted, &mut signals));
+    let fields = described(py, compiled, solved, (t, x.len()))?;
     fields.ended(signals.raised)
 }
 
@@ -357,11 +290,9 @@ fn described<'py>(
     system: &CompiledSystem,
     solved: Solved<'_>,
     (t_start, states): (f64, usize),
-    number_of_events: usize,
 ) -> PyResult<Fields<'py>> {
     let Solved {
         recording,
-        events,
         outcome,
         is_terminated,
     } = solved;
@@ -376,8 +307,8 @@ fn described<'py>(
     let points = &recording.points;
     fields.numbers("t", points.iter().map(|point| point.0))?;
     fields.rows("y", points.iter().map(|point| &point.1), states)?;
-    let events = events.iter().take(number_of_events);
-    let events = events.map(|found| {
+    let events = recording.events.iter().map(|event| {
+        let found = &event.found;
         let times = PyArray1::from_iter(py, found.iter().map(|at| at.t));
         let x = found.iter().flat_map(|at| at.x.iter().copied());
         Ok((times, array(py, x.collect(), [states])?))
@@ -390,15 +321,17 @@ fn described<'py>(
     fields.put("t_end", recording.last.0)?;
     let transitions = Fields::new(py);
     let all = &recording.transitions;
-    transitions.numbers("t", all.iter().map(|at| at.t))?;
-    transitions.words("kind", all.iter().map(|at| at.kind), |kind| kind.name())?;
+    let changes = || all.iter().map(|(at, _)| at);
+    transitions.numbers("t", changes().map(|at| at.t))?;
+    transitions.words("kind", changes().map(|at| at.kind), |kind| kind.name())?;
     let contact = |&number: &usize| system.contact_name(number);
-    transitions.words("contact", all.iter().map(|at| at.contact), contact)?;
+    transitions.words("contact", changes().map(|at| at.contact), contact)?;
     let letters = |modes: &Modes| system.letters(modes);
-    transitions.words("from_mode", all.iter().map(|at| at.from), letters)?;
-    transitions.words("to_mode", all.iter().map(|at| at.to), letters)?;
-    transitions.rows("y", all.iter().map(|at| &at.x), states)?;
-    transitions.numbers("residual", all.iter().map(|at| at.residual))?;
+    transitions.words("from_mode", changes().map(|at| at.from), letters)?;
+    transitions.words("to_mode", changes().map(|at| at.to), letters)?;
+    transitions.rows("y_before", changes().map(|at| &at.x), states)?;
+    transitions.rows("y", all.iter().map(|(_, after)| after), states)?;
+    transitions.numbers("residual", changes().map(|at| at.residual))?;
     fields.fields("transitions", transitions)?;
     let phases = Fields::new(py);
     let all = &recording.phases;

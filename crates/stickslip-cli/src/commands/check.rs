@@ -104,7 +104,7 @@ fn understood(system: &System, start: Start<'_>) -> Report {
             }),
         );
     report.field("section", Value::Null);
-    if let Some(section) = &file.section {
+    if let Some(section) = file.sections.first() {
         let (function, direction) = (&section.function.text, direction_name(section.direction));
         let line = format!("where {function} = 0, passed {direction}");
         let object = json!({ "function": function, "direction": direction });

@@ -248,8 +248,8 @@ impl Recording {
             }
             ControlFlow::Continue(())
         };
-        let (dynamics, section) = (system.dynamics(), system.section());
-        let ended = follow(dynamics, start, t_end, options, &section, &mut watcher);
+        let (dynamics, sections) = (system.dynamics(), system.sections());
+        let ended = follow(dynamics, start, t_end, options, &sections, &mut watcher);
         recording.progress.clear();
         recording.doubtful.extend(friction.warning());
         let below = recording.monitor.below_tolerance(system, &CommandLine);

@@ -76,7 +76,7 @@ fn followed(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Fai
         .column("t", |at: &&Passage| at.t)
         .column("direction", |at| direction_name(at.direction))
         .state(system, "", |at| at.x.clone());
-    if system.section() != Section::None {
+    if !system.sections().is_empty() {
         report.table(passages.csv("section", &recording.passages)?);
     }
     if lists {

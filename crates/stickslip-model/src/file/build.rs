@@ -24,8 +24,8 @@ pub struct Built {
     pub boundaries: Tape,
     /// The normal force of the only contact, if contact can be lost.
     pub normal_force: Option<Tape>,
-    /// The section function.
-    pub section: Option<Tape>,
+    /// The functions of the sections.
+    pub sections: Vec<Tape>,
     /// Initial value of each state, as far as the file gives it. Discrete states have one.
     pub starts: Vec<Option<f64>>,
     /// Start time of runs.
@@ -113,6 +113,35 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
         .collect()
 }
 
+/// What a formula of a section is called in messages.
+const SECTION: &str = "a section";
+
+/// The tape of a formula without sides, at a place of this name.
+fn alone(
+    file: &Arc<SystemFile>,
+    (graph, inputs): (&mut Graph, Inputs<'_>),
+    formula: &Formula,
+    place: &'static str,
+) -> Result<Tape, Problem> {
+    let scope = Scope::NoSides(place);
+    let root = Builder::new(file, inputs, graph, scope).formula(formula)?;
+    tape(file, graph, &[root], inputs)
+}
+
+/// The tape of a section for these parameter values.
+///
+/// # Errors
+/// [`Problem`] of the function.
+pub(super) fn section(
+    file: &Arc<SystemFile>,
+    values: &[f64],
+    function: &Formula,
+) -> Result<Tape, Problem> {
+    let mut graph = Graph::new();
+    let inputs = inputs(file, values, NONE_FREE, &mut graph)?;
+    alone(file, (&mut graph, inputs), function, SECTION)
+}
+
 /// Builds the tapes for these parameter values. The `free` parameters become states with zero
 /// rates, after those of the file. Time is scaled so that the period, if there is one, stays what
 /// it is for the given values.
@@ -178,11 +207,7 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
         // A system without contacts has one side.
         heights.extend(graph.constant(1.0));
     }
-    let mut alone = |formula: &Formula, place| -> Result<Tape, Problem> {
-        let scope = Scope::NoSides(place);
-        let root = Builder::new(file, inputs, &mut graph, scope).formula(formula)?;
-        tape(file, &graph, &[root], inputs)
-    };
+    let mut alone = |formula: &Formula, place| alone(file, (&mut graph, inputs), formula, place);
     let force = file
         .contacts
         .iter()
@@ -190,10 +215,9 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
     let normal_force = force
         .map(|force| alone(force, "a normal force"))
         .transpose()?;
-    let section = file.section.as_ref();
-    let section = section
-        .map(|section| alone(&section.function, "a section"))
-        .transpose()?;
+    let sections = file.sections.iter();
+    let sections = sections.map(|section| alone(&section.function, SECTION));
+    let sections = sections.collect::<Result<_, _>>()?;
     let time = |formula: &Option<Formula>, what| {
         let formula = formula.as_ref();
         let value = formula.map(|formula| folded(file, values, formula, Scope::Constant(what)));
@@ -213,7 +237,7 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
         has_static,
         boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
-        section,
+        sections,
         starts: starts(file, values)?,
         t_start,
         t_end,

@@ -109,8 +109,8 @@ pub struct SystemFile {
     pub inputs: Vec<InputEntry>,
     /// Rates of the states, in their order.
     pub field: Vec<Rate>,
-    /// Poincaré section.
-    pub section: Option<SectionEntry>,
+    /// Poincaré sections; a file gives one at most.
+    pub sections: Vec<SectionEntry>,
     /// The meaning of every name.
     pub names: Names,
 }
@@ -391,30 +391,4 @@ impl SystemFile {
         read.map_err(|problem| FileError::wrong(problem, source))
     }
 
-    /// The system with another section.
-    ///
-    /// # Errors
-    /// [`FileError::Wrong`] with the fault of the function.
-    pub fn with_section(
-        &self,
-        function: &str,
-        direction: Direction,
-    ) -> Result<SystemFile, FileError> {
-        let source = Source {
-            name: "section".to_owned(),
-            text: function.to_owned(),
-        };
-        let function = Formula::parsed(function, 0..function.len(), &source);
-        let with_section = function.and_then(|function| {
-            let section = Some(SectionEntry {
-                function,
-                direction,
-            });
-            checked(SystemFile {
-                section,
-                ..self.clone()
-            })
-        });
-        with_section.map_err(|problem| FileError::wrong(problem, source))
-    }
 }

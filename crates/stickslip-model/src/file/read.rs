@@ -68,7 +68,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
         name: name.text()?.to_owned(),
         description: text(&file, "description")?,
         time: time(&file)?,
-        section: section(&file)?,
+        sections: section(&file)?.into_iter().collect(),
         source: source.clone(),
         states,
         parameters,

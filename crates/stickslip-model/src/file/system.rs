@@ -170,16 +170,23 @@ impl System {
         interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
         let built = built(&file, &values, NONE_FREE)?;
+        System::of(file, values, built, interrupt)
+    }
+
+    /// The system of these tapes.
+    fn of(
+        file: Arc<SystemFile>,
+        values: Vec<f64>,
+        built: Built,
+        interrupt: Option<Arc<Interrupt>>,
+    ) -> Result<System, FileError> {
         let states = file.states.len();
-        let direction = file
-            .section
-            .as_ref()
-            .map_or(Direction::Both, |section| section.direction);
-        let section = built.section.clone().map(|function| Section {
-            function,
-            direction,
+        let sections = built.sections.iter().zip(&file.sections);
+        let sections = sections.map(|(function, section)| Section {
+            function: function.clone(),
+            direction: section.direction,
         });
-        let dynamics = solver(&file, &built, (section, interrupt.clone()), states)?;
+        let dynamics = solver(&file, &built, (sections.collect(), interrupt.clone()), states)?;
         Ok(System {
             file,
             values,
@@ -199,13 +206,31 @@ impl System {
         Ok(System::new(file, values, interrupt)?)
     }
 
-    /// The system with another section.
+    /// The system with other sections.
     ///
     /// # Errors
-    /// See [`SystemFile::with_section`].
-    pub fn with_section(&self, function: &str, direction: Direction) -> Result<System, FileError> {
-        let file = Arc::new(self.file.with_section(function, direction)?);
-        System::new(file, self.values.clone(), self.interrupt.clone())
+    /// [`FileError::Wrong`] with the fault of a function.
+    pub fn with_sections(&self, sections: &[(&str, Direction)]) -> Result<System, FileError> {
+        let (mut file, mut built) = (SystemFile::clone(&self.file), self.built.clone());
+        (file.sections, built.sections) = (Vec::new(), Vec::new());
+        for &(text, direction) in sections {
+            let source = Source {
+                name: "section".to_owned(),
+                text: text.to_owned(),
+            };
+            let function = Formula::parsed(text, 0..text.len(), &source);
+            let section = function.and_then(|function| {
+                let tape = build::section(&self.file, &self.values, &function)?;
+                built.sections.push(tape);
+                Ok(SectionEntry {
+                    function,
+                    direction,
+                })
+            });
+            let section = section.map_err(|problem| FileError::wrong(problem, source))?;
+            file.sections.push(section);
+        }
+        System::of(Arc::new(file), self.values.clone(), built, self.interrupt.clone())
     }
 
     /// The system with orbits that end when `interrupt` is raised. This also holds for systems
@@ -358,12 +383,9 @@ impl System {
         &self.dynamics
     }
 
-    /// The section of the file, or none.
-    pub fn section(&self) -> Watched {
-        match self.built.section {
-            Some(_) => Watched::Own,
-            None => Watched::None,
-        }
+    /// The sections of the system.
+    pub fn sections(&self) -> Vec<Watched> {
+        (0..self.built.sections.len()).map(Watched::Own).collect()
     }
 
     /// Initial state, if the file gives every component.
@@ -431,14 +453,14 @@ fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, F
 fn solver(
     file: &SystemFile,
     built: &Built,
-    (section, interrupt): (Option<Section>, Option<Arc<Interrupt>>),
+    (sections, interrupt): (Vec<Section>, Option<Arc<Interrupt>>),
     states: usize,
 ) -> Result<DynamicsRef<'static>, FileError> {
     let contacts = file.contacts.len();
     let switching = built.switching.clone();
     let room = switching.room();
     let size = (states, contacts);
-    let solver = dynamics(equations(built), section, switching, size, interrupt);
+    let solver = dynamics(equations(built), sections, switching, size, interrupt);
     // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
         let message = if contacts > states {

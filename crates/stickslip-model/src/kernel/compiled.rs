@@ -6,25 +6,25 @@ use stickslip::dynamics::{Dynamics, DynamicsRef, Interrupt, Typed};
 use stickslip::{Filippov, Several};
 
 use super::inputs::Switching;
-use super::system::{Equations, ManyContacts, OneContact, OwnSection, Section};
+use super::system::{Equations, ManyContacts, OneContact, OwnSections, Section};
 
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
 /// Parts of a system besides its equations.
-type Extras = (OwnSection, Switching, Option<Arc<Interrupt>>);
+type Extras = (OwnSections, Switching, Option<Arc<Interrupt>>);
 
 /// The dynamics of these equations in the form that the library's analyses take. `None` if there
 /// are more states than [`super::MOST_STATES`] and a parameter, or more contacts than
 /// [`super::MOST_CONTACTS`]. Its orbits end when `interrupt` is raised.
 pub fn dynamics(
     equations: Equations,
-    section: Option<Section>,
+    sections: Vec<Section>,
     switching: Switching,
     size: (usize, usize),
     interrupt: Option<Arc<Interrupt>>,
 ) -> Option<DynamicsRef<'static>> {
-    let extras = (OwnSection(section), switching, interrupt);
+    let extras = (OwnSections(sections), switching, interrupt);
     let dynamics = match equations {
         Equations::OneContact(system) => of_one_contact(*system, extras, size),
         Equations::ManyContacts(system) => of_many_contacts(system, extras, size),
@@ -40,13 +40,13 @@ fn of_one_contact(
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
         system: OneContact,
-        (section, switching, interrupt): Extras,
+        (sections, switching, interrupt): Extras,
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics>
     where
         OneContact: Filippov<N>,
     {
-        let system = (system, section, switching);
+        let system = (system, sections, switching);
         let typed =
             Typed::<_, OneContact, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
         Box::new(typed.interrupted_by(interrupt))
@@ -70,10 +70,10 @@ fn of_many_contacts(
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
         system: ManyContacts,
-        (section, switching, interrupt): Extras,
+        (sections, switching, interrupt): Extras,
         (states, contacts): (usize, usize),
     ) -> Box<dyn Dynamics> {
-        let system = (Several(system), section, switching);
+        let system = (Several(system), sections, switching);
         let typed = Typed::<_, Several<_>, _, _, Switching, N, M>::padded(system, states, contacts);
         Box::new(typed.interrupted_by(interrupt))
     }

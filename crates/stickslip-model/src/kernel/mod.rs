@@ -34,8 +34,8 @@ pub fn ignore(_: OrbitProgress, _: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Follows the orbit from a time and state and reports it to `watcher`, including crossings of the
-/// section.
+/// Follows the orbit from a time and state and reports it to `watcher`, including passages of the
+/// sections.
 ///
 /// # Errors
 /// Those of [`stickslip::run`].
@@ -44,11 +44,11 @@ pub fn follow(
     (t, x): (f64, &[f64]),
     t_end: f64,
     options: &Options,
-    section: &Watched,
+    sections: &[Watched],
     watcher: &mut Watcher<'_>,
 ) -> Result<Summary, Error> {
     let x = Vector::from_column_slice(x);
-    let mut orbit = system.begin(&Moment { t, x }, t_end, options, section)?;
+    let mut orbit = system.begin(&Moment { t, x }, t_end, options, sections)?;
     let ended = loop {
         let decision = match orbit.step() {
             Ok(OrbitProgress::End(summary)) => return Ok(summary),

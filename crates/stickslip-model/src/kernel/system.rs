@@ -245,21 +245,22 @@ pub struct Section {
     pub direction: Direction,
 }
 
-/// The section of a system, if it has one.
+/// The sections of a system.
 #[derive(Clone, Debug)]
-pub(super) struct OwnSection(pub Option<Section>);
+pub(super) struct OwnSections(pub Vec<Section>);
 
-impl<const N: usize> EventFunctions<N, 1> for OwnSection {
-    #[inline(always)]
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
-        match &self.0 {
-            Some(section) => values(&section.function, t, x),
-            None => [T::one()],
-        }
+impl<const N: usize> EventFunctions<N> for OwnSections {
+    fn count(&self) -> usize {
+        self.0.len()
     }
 
-    fn direction(&self, _number: usize) -> Direction {
-        let own = self.0.as_ref();
-        own.map_or(Direction::Both, |section| section.direction)
+    #[inline(always)]
+    fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T {
+        let [value] = values(&self.0[number].function, t, x);
+        value
+    }
+
+    fn direction(&self, number: usize) -> Direction {
+        self.0[number].direction
     }
 }

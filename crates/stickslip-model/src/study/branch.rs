@@ -118,7 +118,7 @@ impl<'a> Along<'a> {
             return Ok(orbit.x.clone());
         }
         let (system, start) = (self.system.dynamics(), (orbit.t, orbit.x.as_slice()));
-        let ended = follow(system, start, t_end, options, &Section::None, &mut ignore)?;
+        let ended = follow(system, start, t_end, options, &[], &mut ignore)?;
         Ok(whole(ended, orbit.period)?.x)
     }
 

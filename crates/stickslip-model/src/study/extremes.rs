@@ -40,7 +40,7 @@ pub fn extremes(
         }
         ControlFlow::Continue(())
     };
-    let ended = follow(system, start, t_end, options, &Section::None, &mut watcher)?;
+    let ended = follow(system, start, t_end, options, &[], &mut watcher)?;
     Ok((ranges, ended))
 }
 

@@ -171,7 +171,7 @@ impl Search<'_> {
             start,
             t + span,
             self.options,
-            &Section::None,
+            &[],
             watcher,
         )
     }

@@ -34,7 +34,7 @@ fn warning(system: &System) -> Option<String> {
         start,
         6.0,
         &options,
-        &Section::None,
+        &[],
         &mut watcher,
     )
     .unwrap();

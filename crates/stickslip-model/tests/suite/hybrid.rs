@@ -423,7 +423,7 @@ fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize
             x: Vector::from_vec(x),
         };
         let mut orbit = of
-            .begin(&at, t_end, &options("taylor"), &Section::None)
+            .begin(&at, t_end, &options("taylor"), &[])
             .unwrap();
         loop {
             if let OrbitProgress::End(summary) = orbit.step().unwrap() {
@@ -1001,7 +1001,7 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
                 x: Vector::from_vec(vec![u, p]),
             };
             let mut orbit = system
-                .begin(&at, 2.3, &options("taylor"), &Section::None)
+                .begin(&at, 2.3, &options("taylor"), &[])
                 .unwrap();
             loop {
                 if let OrbitProgress::End(summary) = orbit.step().unwrap() {

@@ -26,7 +26,7 @@ fn end(system: &System, x: f64, t_end: f64, method: Method) -> f64 {
         (0.0, &[x]),
         t_end,
         &options,
-        &Section::None,
+        &[],
         &mut ignore,
     );
     run.unwrap().x[0]
@@ -170,7 +170,7 @@ fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
             t: 0.0,
             x: Vector::from_vec(vec![0.2, 1.2]),
         };
-        let begun = system.begin(&at, 2.0, &options, &Section::None);
+        let begun = system.begin(&at, 2.0, &options, &[]);
         assert!(begun.is_err());
     }
 }
@@ -191,7 +191,7 @@ fn the_kinks_of_a_pulse_are_at_its_width() {
         start,
         5.0,
         &Options::default(),
-        &Section::None,
+        &[],
         &mut watcher,
     )
     .unwrap();

@@ -103,7 +103,7 @@ fn found(system: &System, method: &str) -> RunResult {
     let start = Moment { t: 0.0, x };
     let mut orbit = match system
         .dynamics()
-        .begin(&start, 6.0, &options, &Section::None)
+        .begin(&start, 6.0, &options, &[])
     {
         Ok(orbit) => orbit,
         Err(error) => return failed(Vec::new(), &error),

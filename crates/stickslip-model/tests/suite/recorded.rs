@@ -37,7 +37,7 @@ pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Even
         start,
         t_end,
         options,
-        &Section::None,
+        &[],
         &mut watcher,
     );
     (ended.unwrap(), events)

@@ -56,7 +56,7 @@ fn assert_meets(name: &str, file: &SystemFile, settings: &[(&str, f64)], run: (&
             from,
             t_end,
             &options,
-            &Section::None,
+            &[],
             &mut watcher,
         )
         .unwrap();

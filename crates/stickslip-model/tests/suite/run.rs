@@ -81,8 +81,8 @@ impl Run {
             ControlFlow::Continue(())
         };
         let start = (system.built.t_start, &x[..]);
-        let (dynamics, section) = (system.dynamics(), system.section());
-        let ended = follow(dynamics, start, t_end, options, &section, &mut watcher);
+        let (dynamics, sections) = (system.dynamics(), system.sections());
+        let ended = follow(dynamics, start, t_end, options, &sections, &mut watcher);
         Run {
             system,
             ended,

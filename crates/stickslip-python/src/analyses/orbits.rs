@@ -65,7 +65,7 @@ pub(crate) fn periodic_orbit<'py>(
             start,
             t_end,
             &options,
-            &Section::None,
+            &[],
             &mut watcher,
         )?;
         Ok((orbit, phases_of_period(&phases)))
@@ -111,7 +111,7 @@ pub(crate) fn poincare_map<'py>(
             let start = (t, x.as_slice());
             let dynamics = &**system.dynamics();
             let mut map =
-                PoincareMap::at_run_time(dynamics, Section::Own, start, longest, &options)?;
+                PoincareMap::at_run_time(dynamics, Section::Own(0), start, longest, &options)?;
             for _ in 0..returns {
                 found.push(match with_derivative {
                     true => {

@@ -65,7 +65,7 @@ pub(super) fn flow_derivative(
     is_autonomous: bool,
 ) -> Result<Monodromy, Error> {
     let tangent = Tangent::new(system, options);
-    let mut orbit = system.begin(start, t_end, options, &Section::None)?;
+    let mut orbit = system.begin(start, t_end, options, &[])?;
     let mut map = TangentMap::identity(system);
     map.begin(system, orbit.mode(), start);
     if is_autonomous {

@@ -23,7 +23,7 @@ pub(super) fn passages(
     options: &Options,
     is_last: impl Fn(&Moment) -> bool,
 ) -> Result<Vec<Moment>, Error> {
-    let begun = system.begin(state, state.t + span, options, &Section::None)?;
+    let begun = system.begin(state, state.t + span, options, &[])?;
     let plane = plane(system, begun.mode(), state);
     let mut run = system.begin(start, start.t + span, options, &plane)?;
     let mut passages = Vec::new();

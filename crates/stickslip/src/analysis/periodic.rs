@@ -119,7 +119,7 @@ pub fn find_periodic_orbit<Kind>(
     let system = &*system.dynamics();
     let (t, x) = (0.0, x0.vector());
     let (at, t_end) = (Moment { t, x }, transient + longest);
-    let mut orbit = system.begin(&at, t_end, options, &Section::None)?;
+    let mut orbit = system.begin(&at, t_end, options, &[])?;
     let not_found = || Error::NotFound {
         what: "a return of the orbit",
         t: transient,
@@ -154,7 +154,7 @@ pub fn find_periodic_orbit<Kind>(
                     velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
                 };
                 let (_, here) = fewest_sticking.filter(moves).ok_or_else(not_found)?;
-                orbit = system.begin(&here.0, t_end, options, &Section::None)?;
+                orbit = system.begin(&here.0, t_end, options, &[])?;
                 break here;
             }
             OrbitProgress::End(summary) => return Err(summary.no_future_error()),
@@ -164,7 +164,7 @@ pub fn find_periodic_orbit<Kind>(
             | OrbitProgress::Kink(_) => {}
         }
     };
-    orbit.watch(&plane(system, mode, &start));
+    orbit.watch(&[plane(system, mode, &start)]);
     // Within the error of the run, all returns are equally good.
     let error = SOLVER_TOLERANCES * (options.atol + options.rtol * start.x.norm());
     let mut returns = Vec::new();

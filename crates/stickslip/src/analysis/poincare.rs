@@ -82,7 +82,7 @@ impl<'a> PoincareMap<'a> {
     ) -> Result<Self, Error>
     where
         S: Switched<N, G> + Send + Sync,
-        V: EventFunctions<N, 1> + Send + Sync,
+        V: EventFunctions<N> + Send + Sync,
     {
         let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
         let at = moment(start);
@@ -92,7 +92,7 @@ impl<'a> PoincareMap<'a> {
         Ok(PoincareMap::of(
             dynamics,
             orbit,
-            Section::Own,
+            Section::Own(0),
             at,
             longest,
             options,
@@ -112,7 +112,7 @@ impl<'a> PoincareMap<'a> {
     ) -> Result<Self, Error> {
         let at = moment(start);
         let options = bounded(longest, options)?;
-        let orbit = dynamics.begin(&at, f64::MAX, &options, &section)?;
+        let orbit = dynamics.begin(&at, f64::MAX, &options, std::slice::from_ref(&section))?;
         let dynamics = DynamicsRef::Borrowed(dynamics);
         Ok(PoincareMap::of(
             dynamics, orbit, section, at, longest, options,

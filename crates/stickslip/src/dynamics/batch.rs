@@ -45,7 +45,7 @@ impl<'a, S, V, J, const N: usize, const G: usize> Member<'a, S, N, G>
     for BatchOrbit<'_, '_, Run<'a, S, V, J, N, G>>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
     type Outcome = Result<(), Error>;

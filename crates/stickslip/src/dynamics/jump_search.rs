@@ -4,11 +4,11 @@ use std::collections::VecDeque;
 
 use super::OrbitProgress;
 use super::jumps::Jumps;
-use super::section::TypedSection;
+use super::section::TypedFunctions;
 use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
+    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
     Transition, TransitionKind,
 };
 use crate::ode::Timed;
@@ -39,8 +39,7 @@ impl Due {
 /// The search for jumps along a run, and their execution.
 pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     jumps: &'a J,
-    /// One for each jump.
-    searches: Vec<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
+    search: EventSearch<'a, S, TypedFunctions<'a, S, V, J, N, G>, N, G>,
     counts: Vec<u64>,
     /// Number of contacts; jumps are numbered after them.
     contacts: usize,
@@ -62,7 +61,7 @@ pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const 
 impl<'a, S, V, J, const N: usize, const G: usize> JumpSearch<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
     /// The jumps of a run that has not begun; `None` if the system has none.
@@ -84,11 +83,10 @@ where
         integration.end_at(t_end.min(kink));
         let is_prescribed = integration.is_prescribed();
         let count = if is_prescribed { 0 } else { jumps.count() };
-        let search =
-            |number| EventSearch::new(view.system, view.when(number), options).only_first();
+        let functions = view.functions_of_jumps(count);
         let mut jump_search = JumpSearch {
             jumps,
-            searches: (0..count).map(search).collect(),
+            search: EventSearch::new(view.system, functions, options).only_first(),
             counts: vec![0; count],
             contacts: view.contacts,
             t_end,
@@ -117,16 +115,17 @@ where
             x: *integration.x(),
         };
         let velocity = integration.velocity();
-        for (number, search) in self.searches.iter_mut().enumerate() {
-            if !search.depends_on_state(&at, integration.states()) {
+        let search = &mut self.search;
+        for number in 0..self.counts.len() {
+            if !search.depends_on_state(number, &at, integration.states()) {
                 continue;
             }
-            let sign = search.sign_at(&at);
+            let sign = search.sign_at(number, &at);
             if sign != 0.0 {
-                search.set_side(sign);
+                search.set_side(number, sign);
                 continue;
             }
-            let rate = search.sign_of_rate(&at, &velocity);
+            let rate = search.sign_of_rate(number, &at, &velocity);
             let way = if rate > 0.0 {
                 Direction::Rising
             } else {
@@ -135,7 +134,7 @@ where
             if rate != 0.0 && self.jumps.direction(number).includes(way) {
                 self.due.push_back(Due::at_once(number));
             } else {
-                search.stand_at_zero(0.0, rate);
+                search.stand_at_zero(number, 0.0, rate);
             }
         }
         // A phase of zero length lies before it.
@@ -146,7 +145,7 @@ where
     fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
         let (t, x) = (integration.t(), integration.x());
         let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
-        match (0..self.searches.len()).find(is_none) {
+        match (0..self.counts.len()).find(is_none) {
             Some(number) => Err(self.undefined("the function of the jump", number, (t, x))),
             None => Ok(()),
         }
@@ -166,43 +165,32 @@ where
         integration: &mut Integration<'a, S, N, G>,
     ) -> Result<(), Error> {
         self.has_jumped = false;
-        if self.searches.is_empty() {
+        if self.counts.is_empty() {
             return Ok(());
         }
         let step = integration.last_step();
-        let states: Vec<_> = self.searches.iter().map(EventSearch::state).collect();
-        for search in &mut self.searches {
-            search.in_step(&step);
-        }
-        let firsts = self
-            .searches
-            .iter()
-            .map(|search| search.last_events().first());
-        let earliest = firsts.flatten().min_by(|a, b| a.t.total_cmp(&b.t));
-        let Some(Timed { t, x }) = earliest.map(|at| Timed { t: at.t, x: at.x }) else {
+        let events = self.search.in_step(&step);
+        let Some(&EventRecord { t, x, .. }) = events.first() else {
             return self.check(integration);
         };
         integration.stop_at(Timed { t, x });
-        for (number, (search, state)) in self.searches.iter_mut().zip(states).enumerate() {
-            let event = search.last_events().first();
-            let is_due = event.is_some_and(|at| at.t - t <= TIME_ROUNDING * t.abs());
-            let stands = search.stands_at_zero();
-            search.cut(state, &step.x_start, &x);
-            if is_due {
-                self.due.push_back(Due {
-                    number,
-                    is_located: true,
-                    is_unresolved: stands,
-                });
-                continue;
-            }
-            if search.stands_at_zero() {
+        let is_due = |at: &&EventRecord<N, S::Mode>| at.t - t <= TIME_ROUNDING * t.abs();
+        let mut due: Vec<usize> = events.iter().take_while(is_due).map(|at| at.number).collect();
+        due.sort_unstable();
+        self.due.extend(due.iter().map(|&number| Due {
+            number,
+            is_located: true,
+            is_unresolved: self.search.stands_at_zero(number),
+        }));
+        self.search.cut(&step.x_start, &x);
+        for number in (0..self.counts.len()).filter(|number| !due.contains(number)) {
+            if self.search.stands_at_zero(number) {
                 continue;
             }
             // It may have passed in the other direction since the step began.
-            let side = search.sign_at(&Timed { t, x });
+            let side = self.search.sign_at(number, &Timed { t, x });
             if side != 0.0 {
-                search.set_side(side);
+                self.search.set_side(number, side);
             }
         }
         Ok(())
@@ -287,10 +275,13 @@ where
             t: integration.t(),
             x: *integration.x(),
         };
-        let search = &mut self.searches[number];
-        match search.sign_beyond(left, integration.distance_to_settle(), &at) {
-            0.0 => search.stand_at_zero(left, search.sign_of_rate(&at, &integration.velocity())),
-            sign => search.set_side(sign),
+        let search = &mut self.search;
+        match search.sign_beyond(number, (left, integration.distance_to_settle()), &at) {
+            0.0 => {
+                let rate = search.sign_of_rate(number, &at, &integration.velocity());
+                search.stand_at_zero(number, left, rate);
+            }
+            sign => search.set_side(number, sign),
         }
     }
 
@@ -344,24 +335,24 @@ where
         but: Option<usize>,
     ) {
         let t = integration.t();
-        for number in 0..self.searches.len() {
+        for number in 0..self.counts.len() {
             if Some(number) == but || self.due.iter().any(|due| due.number == number) {
                 continue;
             }
-            let search = &mut self.searches[number];
-            if search.stands_at_zero() {
-                let left = search.left_of_zero();
+            let search = &mut self.search;
+            if search.stands_at_zero(number) {
+                let left = search.left_of_zero(number);
                 self.leave_zero(number, left, integration);
                 continue;
             }
-            let at = |x: &State<N>| search.sign_at(&Timed { t, x: *x });
-            let (side, now) = (search.side(), at(after));
+            let at = |x: &State<N>| search.sign_at(number, &Timed { t, x: *x });
+            let (side, now) = (search.side(number), at(after));
             let side = if side == 0.0 { at(before) } else { side };
             if now == 0.0 {
-                search.set_side(side);
+                search.set_side(number, side);
                 continue;
             }
-            search.set_side(now);
+            search.set_side(number, now);
             let way = if now > 0.0 {
                 Direction::Rising
             } else {

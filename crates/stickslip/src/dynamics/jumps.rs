@@ -44,7 +44,7 @@ use crate::scalar::Scalar;
 /// let ball = WithJumps { system: Fall, jumps: Bounce };
 /// let dynamics = ball.dynamics();
 /// let start = Moment { t: 0.0, x: vec![1.0, 0.0].into() };
-/// let mut orbit = dynamics.begin(&start, 1.0, &Options::default(), &Section::None)?;
+/// let mut orbit = dynamics.begin(&start, 1.0, &Options::default(), &[])?;
 /// let first = loop {
 ///     if let OrbitProgress::Transition(at) = orbit.step()? {
 ///         break at;

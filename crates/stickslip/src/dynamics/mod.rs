@@ -137,7 +137,7 @@ impl Step {
 pub enum OrbitProgress {
     /// A step was taken.
     Step,
-    /// The section was passed in the last step.
+    /// A section was passed in the last step.
     Passage(Passage),
     /// An input kinks at the end of the last step; its consequences are reported afterwards.
     Kink(Kink),
@@ -152,8 +152,6 @@ pub enum OrbitProgress {
 /// A section of the state space whose passages are reported.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Section {
-    /// No section.
-    None,
     /// A plane: `normal · (x − point)` passes through zero.
     Plane {
         /// A state on it.
@@ -167,8 +165,8 @@ pub enum Section {
     Strobe(Strobe),
     /// The maxima of the first state, where its rate falls through zero.
     Turning,
-    /// The event function with which the dynamics was constructed.
-    Own,
+    /// An event function with which the dynamics was constructed, by its number.
+    Own(usize),
 }
 
 /// A guard of a mode: a function that is positive while the mode holds.
@@ -195,7 +193,7 @@ pub trait Dynamics: Send + Sync {
     /// Number of contacts.
     fn contacts(&self) -> usize;
 
-    /// Begins an orbit that reports the passages of a section.
+    /// Begins an orbit that reports the passages of sections, each by its index.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`].
@@ -204,7 +202,7 @@ pub trait Dynamics: Send + Sync {
         start: &Moment,
         t_end: f64,
         options: &Options,
-        section: &Section,
+        sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
     /// Follows the orbit from each start, as [`Dynamics::begin`] begins it, and reports it to the
@@ -213,13 +211,13 @@ pub trait Dynamics: Send + Sync {
     ///
     /// With [`Method::Taylor`], orbits of a system from formulas are computed side by side in
     /// vectors. Each is bit-for-bit the same as alone. The solution over a step is available to the
-    /// listener only where a section is watched.
+    /// listener only where sections are watched.
     fn follow_all(
         &self,
         starts: &[Moment],
         t_end: f64,
         options: &Options,
-        section: &Section,
+        sections: &[Section],
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>>;
 
@@ -284,8 +282,8 @@ pub trait OrbitUnderWay {
     /// Those of [`crate::Integration::step`].
     fn step(&mut self) -> Result<OrbitProgress, Error>;
 
-    /// Reports the passages of this section from here on.
-    fn watch(&mut self, section: &Section);
+    /// Reports the passages of these sections alone from here on, each by its index.
+    fn watch(&mut self, sections: &[Section]);
 
     /// Present time.
     fn t(&self) -> f64;
@@ -494,7 +492,7 @@ pub(crate) fn run(
     t_end: f64,
     options: &Options,
 ) -> Result<Summary, Error> {
-    let mut orbit = dynamics.begin(start, t_end, options, &Section::None)?;
+    let mut orbit = dynamics.begin(start, t_end, options, &[])?;
     loop {
         if let OrbitProgress::End(summary) = orbit.step()? {
             return Ok(summary);
@@ -534,7 +532,7 @@ impl Orbit {
                 counters: Counters::default(),
             },
         };
-        let mut run = dynamics.begin(start, t_end, options, &Section::None)?;
+        let mut run = dynamics.begin(start, t_end, options, &[])?;
         loop {
             match run.step() {
                 Ok(OrbitProgress::Step) => orbit.steps.push((run.last_step(), run.solution())),

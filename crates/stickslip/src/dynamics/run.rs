@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::jump_search::JumpSearch;
 use super::jumps::{Jumps, NoJumps};
-use super::section::{NoSection, TypedSection};
+use super::section::{NoSection, TypedFunctions};
 use super::view::View;
 use super::{Modes, Moment, OrbitProgress, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
 use crate::error::{Error, Point};
@@ -17,7 +17,7 @@ use crate::orbit::Counters;
 impl<'a, S, V, J, const N: usize, const G: usize> View<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
     pub(super) fn begin(
@@ -25,9 +25,9 @@ where
         start: &Moment,
         t_end: f64,
         options: &Options,
-        section: &Section,
+        sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        let with = (section, Stepper::new(options));
+        let with = (sections, Stepper::new(options));
         Ok(Box::new(self.start_run(start, t_end, options, with)?))
     }
 
@@ -37,7 +37,7 @@ where
         start: &Moment,
         t_end: f64,
         options: &Options,
-        (section, stepper): (&Section, Stepper<N, G>),
+        (sections, stepper): (&[Section], Stepper<N, G>),
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
         let start = self.timed(start);
         let checked = self.check_inputs(&start);
@@ -45,7 +45,7 @@ where
         let integration = checked
             .and_then(|()| Integration::with_stepper(self.system, start, t_end, options, stepper));
         let mut run = self.run(integration, t_end, options)?;
-        run.watch(section);
+        run.watch(sections);
         Ok(run)
     }
 
@@ -104,13 +104,13 @@ where
         contacts: S::CONTACTS,
         interrupt: None,
     };
-    let with = (&Section::None, Stepper::new(options));
+    let with: (&[Section], _) = (&[], Stepper::new(options));
     let mut run = view.start_run(start, t_end, options, with)?;
     run.observer = Some(observer);
     Ok(Box::new(run))
 }
 
-/// An integration under way, with the search for passages of a section.
+/// An integration under way, with the search for passages of sections.
 pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
     view: View<'a, S, V, J, N, G>,
     integration: Integration<'a, S, N, G>,
@@ -119,7 +119,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     /// Items to report before the run continues.
     pending: VecDeque<OrbitProgress>,
     options: Options,
-    search: Option<EventSearch<'a, S, TypedSection<'a, S, V, J, N, G>, N, 1, G>>,
+    search: Option<EventSearch<'a, S, TypedFunctions<'a, S, V, J, N, G>, N, G>>,
     /// How many passages of the last step have been reported.
     reported: usize,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
@@ -130,7 +130,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
 impl<'a, S, V, J, const N: usize, const G: usize> Run<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
     pub(super) fn integration(&mut self) -> &mut Integration<'a, S, N, G> {
@@ -246,7 +246,7 @@ where
                 }
                 let jump = jump_search.jump(&mut self.integration)?;
                 if let Some(search) = &mut self.search {
-                    search.set_side(0.0);
+                    search.set_sides(0.0);
                 }
                 return Ok(jump.map(|at| OrbitProgress::Transition(self.view.transition(&at))));
             }
@@ -262,7 +262,7 @@ where
 impl<S, V, J, const N: usize, const G: usize> OrbitUnderWay for Run<'_, S, V, J, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
     fn step(&mut self) -> Result<OrbitProgress, Error> {
@@ -273,10 +273,10 @@ where
         }
     }
 
-    fn watch(&mut self, section: &Section) {
+    fn watch(&mut self, sections: &[Section]) {
         self.reported = 0;
-        self.search = (*section != Section::None)
-            .then(|| EventSearch::new(self.view.system, self.view.section(section), &self.options));
+        let search = || EventSearch::new(self.view.system, self.view.sections(sections), &self.options);
+        self.search = (!sections.is_empty()).then(search);
     }
 
     fn t(&self) -> f64 {

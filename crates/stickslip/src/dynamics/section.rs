@@ -12,10 +12,14 @@ use crate::system::State;
 #[derive(Clone, Copy, Debug)]
 pub struct NoSection;
 
-impl<const N: usize> EventFunctions<N, 1> for NoSection {
+impl<const N: usize> EventFunctions<N> for NoSection {
+    fn count(&self) -> usize {
+        0
+    }
+
     #[inline(always)]
-    fn values<T: Scalar>(&self, _t: T, _x: &[T; N]) -> [T; 1] {
-        [T::one()]
+    fn value<T: Scalar>(&self, _number: usize, _t: T, _x: &[T; N]) -> T {
+        T::one()
     }
 }
 
@@ -24,9 +28,9 @@ where
     S: Switched<N, G>,
     J: Jumps<N>,
 {
-    pub(super) fn section(&self, section: &Section) -> TypedSection<'a, S, V, J, N, G> {
-        let kind = match section {
-            Section::None => FunctionKind::Nothing,
+    /// The functions of sections.
+    pub(super) fn sections(&self, sections: &[Section]) -> TypedFunctions<'a, S, V, J, N, G> {
+        let kind = |section: &Section| match section {
             Section::Plane {
                 point,
                 normal,
@@ -38,57 +42,59 @@ where
             }),
             Section::Strobe(strobe) => FunctionKind::Strobe(*strobe),
             Section::Turning => FunctionKind::Turning,
-            Section::Own => FunctionKind::Own,
+            Section::Own(number) => FunctionKind::Own(*number),
         };
-        self.function(kind)
+        self.functions(sections.iter().map(kind).collect())
     }
 
-    fn function(&self, kind: FunctionKind<N>) -> TypedSection<'a, S, V, J, N, G> {
-        TypedSection {
+    /// The functions of the first `count` jumps.
+    pub(super) fn functions_of_jumps(&self, count: usize) -> TypedFunctions<'a, S, V, J, N, G> {
+        self.functions((0..count).map(FunctionKind::Jump).collect())
+    }
+
+    fn functions(&self, kinds: Vec<FunctionKind<N>>) -> TypedFunctions<'a, S, V, J, N, G> {
+        TypedFunctions {
             system: self.system,
             own: self.own,
             jumps: self.jumps,
-            kind,
+            kinds,
         }
-    }
-
-    /// The function of a jump.
-    pub(super) fn when(&self, jump: usize) -> TypedSection<'a, S, V, J, N, G> {
-        self.function(FunctionKind::Jump(jump))
     }
 }
 
-/// A section over typed states.
-pub(super) struct TypedSection<'a, S, V, J, const N: usize, const G: usize> {
+/// The functions of sections or jumps over typed states.
+pub(super) struct TypedFunctions<'a, S, V, J, const N: usize, const G: usize> {
     system: &'a S,
     own: &'a V,
     jumps: &'a J,
-    kind: FunctionKind<N>,
+    kinds: Vec<FunctionKind<N>>,
 }
 
 #[derive(Clone, Copy)]
 enum FunctionKind<const N: usize> {
-    Nothing,
     Plane(Plane<N>),
     Strobe(Strobe),
     Turning,
-    Own,
+    Own(usize),
     Jump(usize),
 }
 
-impl<S, V, J, const N: usize, const G: usize> EventFunctions<N, 1>
-    for TypedSection<'_, S, V, J, N, G>
+impl<S, V, J, const N: usize, const G: usize> EventFunctions<N>
+    for TypedFunctions<'_, S, V, J, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
     J: Jumps<N>,
 {
+    fn count(&self) -> usize {
+        self.kinds.len()
+    }
+
     #[inline(always)]
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; 1] {
-        match self.kind {
-            FunctionKind::Nothing => [T::one()],
-            FunctionKind::Plane(plane) => plane.values(t, x),
-            FunctionKind::Strobe(strobe) => strobe.values(t, x),
+    fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T {
+        match &self.kinds[number] {
+            FunctionKind::Plane(plane) => plane.value(0, t, x),
+            FunctionKind::Strobe(strobe) => strobe.value(0, t, x),
             FunctionKind::Turning => {
                 let here = Timed {
                     t: t.value(),
@@ -97,27 +103,27 @@ where
                 let mode = self.system.mode_by_side(here.t, &here.x);
                 let branch = self.system.branch_of_field(mode, &here);
                 let velocity = self.system.with_flow(mode, branch, Velocity(t, x));
-                [velocity[0]]
+                velocity[0]
             }
-            FunctionKind::Own => self.own.values(t, x),
-            FunctionKind::Jump(number) => [self.jumps.when(number, t, x)],
+            FunctionKind::Own(own) => self.own.value(*own, t, x),
+            FunctionKind::Jump(jump) => self.jumps.when(*jump, t, x),
         }
     }
 
     fn direction(&self, number: usize) -> Direction {
-        match self.kind {
+        match &self.kinds[number] {
             FunctionKind::Plane(plane) => plane.direction,
             FunctionKind::Turning => Direction::Falling,
-            FunctionKind::Nothing | FunctionKind::Strobe(_) => Direction::Both,
-            FunctionKind::Own => self.own.direction(number),
-            FunctionKind::Jump(number) => self.jumps.direction(number),
+            FunctionKind::Strobe(_) => Direction::Both,
+            FunctionKind::Own(own) => self.own.direction(*own),
+            FunctionKind::Jump(jump) => self.jumps.direction(*jump),
         }
     }
 
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
-        match self.kind {
-            FunctionKind::Nothing | FunctionKind::Plane(_) | FunctionKind::Turning => true,
-            FunctionKind::Own => self.own.is_as_smooth_as_state(number),
+        match &self.kinds[number] {
+            FunctionKind::Plane(_) | FunctionKind::Turning => true,
+            FunctionKind::Own(own) => self.own.is_as_smooth_as_state(*own),
             FunctionKind::Strobe(_) | FunctionKind::Jump(_) => false,
         }
     }

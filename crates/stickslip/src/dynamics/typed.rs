@@ -97,7 +97,7 @@ impl<T, S, V, U, J, const N: usize, const G: usize> Dynamics for Typed<T, S, V, 
 where
     T: Borrow<S> + Send + Sync,
     S: Switched<N, G>,
-    V: EventFunctions<N, 1> + Send + Sync,
+    V: EventFunctions<N> + Send + Sync,
     U: Borrow<J> + Send + Sync,
     J: Jumps<N>,
 {
@@ -114,9 +114,9 @@ where
         start: &Moment,
         t_end: f64,
         options: &Options,
-        section: &Section,
+        sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
-        self.view().begin(start, t_end, options, section)
+        self.view().begin(start, t_end, options, sections)
     }
 
     fn follow_all(
@@ -124,7 +124,7 @@ where
         starts: &[Moment],
         t_end: f64,
         options: &Options,
-        section: &Section,
+        sections: &[Section],
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>> {
         let of = self.view();
@@ -132,12 +132,12 @@ where
         // solution over every step, so that lanes do not pay.
         let has_jumps = of.jumps.count() + of.jumps.inputs() > 0;
         if const { !S::INTERPRETED } || has_jumps || options.method != Method::Taylor {
-            let begin = |start: &Moment| of.begin(start, t_end, options, section);
+            let begin = |start: &Moment| of.begin(start, t_end, options, sections);
             return one_by_one(begin, starts, listener);
         }
         let listener = &RefCell::new(listener);
         let begin = |(number, start): (usize, &Moment), stepper| {
-            let run = of.start_run(start, t_end, options, (section, stepper));
+            let run = of.start_run(start, t_end, options, (sections, stepper));
             Ok(BatchOrbit {
                 number,
                 run: run.map_err(Err)?,
@@ -259,8 +259,8 @@ where
 
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
         let of = self.view();
-        let section = of.section(section);
-        let (normal, in_time) = gradient(|t, x| section.values(t, x)[0], &of.timed(at));
+        let section = of.sections(std::slice::from_ref(section));
+        let (normal, in_time) = gradient(|t, x| section.value(0, t, x), &of.timed(at));
         (of.vector(&normal), in_time)
     }
 }
@@ -273,7 +273,7 @@ pub(crate) fn watched<'a, S, V, const N: usize, const G: usize>(
 ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
 {
     let view = View {
         system: of.system,
@@ -283,5 +283,5 @@ where
         contacts: of.contacts,
         interrupt: None,
     };
-    view.begin(start, f64::MAX, options, &Section::Own)
+    view.begin(start, f64::MAX, options, &[Section::Own(0)])
 }

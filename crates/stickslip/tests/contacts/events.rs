@@ -11,9 +11,9 @@ use crate::rig::Rig;
 /// The first body passes 1.
 struct Level;
 
-impl EventFunctions<6, 1> for Level {
-    fn values<T: Scalar>(&self, _t: T, x: &[T; 6]) -> [T; 1] {
-        [x[0] - 1.0]
+impl EventFunctions<6> for Level {
+    fn value<T: Scalar>(&self, _number: usize, _t: T, x: &[T; 6]) -> T {
+        x[0] - 1.0
     }
 }
 

@@ -38,9 +38,12 @@ pub struct EventSet<const E: usize> {
     terminal: Option<usize>,
 }
 
-impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
-        self.functions.map(|function| match function {
+impl<const N: usize, const E: usize> EventFunctions<N> for EventSet<E> {
+    fn count(&self) -> usize {
+        E
+    }
+    fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T {
+        match self.functions[number] {
             Function::Level(i, level) => x[i] - level,
             Function::Wave(omega) => (t * omega).sin(),
             Function::Fine(omega) => (x[0] * omega + 0.1).sin(),
@@ -48,7 +51,7 @@ impl<const N: usize, const E: usize> EventFunctions<N, E> for EventSet<E> {
                 let late = (t - (fall + 0.2)) * 1e3;
                 -t + fall + (-late * late).exp() * 2.0
             }
-        })
+        }
     }
     fn direction(&self, number: usize) -> Direction {
         self.directions[number]

@@ -236,19 +236,19 @@ pub(super) fn attractor_of(
     options: &Options,
 ) -> Result<Attractor, Error> {
     let (section, options) = section(settings, options);
-    seek(system, &section, x0, settings, &options)
+    seek(system, section.as_slice(), x0, settings, &options)
 }
 
 /// The section that gives the points of the orbits, and the options for it.
-fn section(settings: &RecurrenceSettings, options: &Options) -> (Section, Options) {
+fn section(settings: &RecurrenceSettings, options: &Options) -> (Option<Section>, Options) {
     match settings.forcing {
         Some(period) => {
             // A step must not pass over two strobe times.
             let longest = options.longest_step.min(0.5 * period);
             let strobe = Section::Strobe(Strobe { first: 0.0, period });
-            (strobe, options.longest_step(longest))
+            (Some(strobe), options.longest_step(longest))
         }
-        None => (Section::None, *options),
+        None => (None, *options),
     }
 }
 
@@ -265,23 +265,23 @@ pub fn attractor_on<S, V, const N: usize, const G: usize>(
 ) -> Result<Attractor, Error>
 where
     S: Switched<N, G> + Send + Sync,
-    V: EventFunctions<N, 1> + Send + Sync,
+    V: EventFunctions<N> + Send + Sync,
 {
     let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
-    seek(&typed, &Section::Own, x0.vector(), settings, options)
+    seek(&typed, &[Section::Own(0)], x0.vector(), settings, options)
 }
 
 fn seek(
     system: &dyn Dynamics,
-    section: &Section,
+    sections: &[Section],
     x0: Vector,
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Attractor, Error> {
     settings.check()?;
     let start = Moment { t: 0.0, x: x0 };
-    let mut orbit = system.begin(&start, settings.longest, options, section)?;
-    let mut search = Search::new(system, &start.x, section, settings, options);
+    let mut orbit = system.begin(&start, settings.longest, options, sections)?;
+    let mut search = Search::new(system, &start.x, sections, settings, options);
     loop {
         let progress = orbit.step();
         if let Some(attractor) = search.record(progress, &mut *orbit) {

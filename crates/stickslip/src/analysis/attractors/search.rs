@@ -77,7 +77,7 @@ impl<'a> Search<'a> {
     pub fn new(
         system: &'a dyn Dynamics,
         x: &Vector,
-        section: &Section,
+        sections: &[Section],
         settings: &'a RecurrenceSettings,
         options: &Options,
     ) -> Self {
@@ -93,8 +93,8 @@ impl<'a> Search<'a> {
             system,
             settings,
             tolerance,
-            source: match section {
-                Section::None => PointSource::Transitions,
+            source: match sections {
+                [] => PointSource::Transitions,
                 _ => PointSource::Events,
             },
             at_transitions: recurrence(),
@@ -105,7 +105,7 @@ impl<'a> Search<'a> {
             extent: Extent::of(x.as_slice()),
             previous: x.clone(),
             steps_since_transition: 0,
-            may_use_extrema: *section == Section::None && settings.forcing.is_none(),
+            may_use_extrema: sections.is_empty() && settings.forcing.is_none(),
             newton_delay: (1, 0),
             next_trap_search: STEPS_BEFORE_TRAP,
             trap: None,
@@ -127,7 +127,7 @@ impl<'a> Search<'a> {
                 self.steps_since_transition += 1;
                 if self.may_use_extrema && self.steps_since_transition > STEPS_BEFORE_EXTREMA {
                     self.may_use_extrema = false;
-                    orbit.watch(&Section::Turning);
+                    orbit.watch(&[Section::Turning]);
                     return None;
                 }
                 self.step(orbit.mode(), orbit.t(), orbit.x())

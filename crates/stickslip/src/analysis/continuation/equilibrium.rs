@@ -157,7 +157,7 @@ pub fn continue_equilibrium<Kind>(
     let x = x.vector();
     check_start(&x, 1, settings)?;
     let (at, width) = (Moment { t: 0.0, x }, settings.range.1 - settings.range.0);
-    let mode = system.begin(&at, at.t + 1.0, options, &Section::None)?;
+    let mode = system.begin(&at, at.t + 1.0, options, &[])?;
     let mode = mode.mode();
     let last = at.x.len() - 1;
     let rate = system.flow(mode, &at).velocity(&at)[last];

@@ -85,7 +85,7 @@ impl Continuation<'_> {
         let near = CLOSE * cycle.extent;
         let start = &cycle.anchor;
         let t_end = start.t + cycle.period;
-        let mut orbit = system.begin(start, t_end, options, &Section::None).ok()?;
+        let mut orbit = system.begin(start, t_end, options, &[]).ok()?;
         let mut equilibria: Vec<PassedEquilibrium> = Vec::new();
         loop {
             match orbit.step().ok()? {

@@ -146,7 +146,7 @@ fn measured_alone(
     count: usize,
 ) -> Result<Spectrum, Error> {
     let begin = |at: &Moment, t_end: f64, options: &Options| {
-        system.begin(at, t_end, options, &Section::None)
+        system.begin(at, t_end, options, &[])
     };
     measured(system, start, (settings, count), begin)
 }
@@ -213,7 +213,7 @@ fn measured<'a>(
     let mut measurement = Measurement::new(system, settings, count);
     if settings.transient > 0.0 {
         let t_end = start.t + settings.transient;
-        let mut orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
+        let mut orbit = system.begin(&start, t_end, &settings.solver, &[])?;
         let Summary { t, x, .. } = follow(&mut *orbit, &mut measurement)?;
         start = Moment { t, x };
     }

@@ -17,11 +17,11 @@ pub struct Plane<const N: usize> {
     pub direction: Direction,
 }
 
-impl<const N: usize> EventFunctions<N, 1> for Plane<N> {
+impl<const N: usize> EventFunctions<N> for Plane<N> {
     #[inline(always)]
-    fn values<T: Scalar>(&self, _t: T, x: &[T; N]) -> [T; 1] {
+    fn value<T: Scalar>(&self, _number: usize, _t: T, x: &[T; N]) -> T {
         let height = |sum: T, i: usize| sum + (x[i] - self.point[i]) * self.normal[i];
-        [(0..N).fold(T::zero(), height)]
+        (0..N).fold(T::zero(), height)
     }
 
     fn direction(&self, _number: usize) -> Direction {
@@ -66,10 +66,10 @@ pub struct Strobe {
     pub period: f64,
 }
 
-impl<const N: usize> EventFunctions<N, 1> for Strobe {
+impl<const N: usize> EventFunctions<N> for Strobe {
     #[inline(always)]
-    fn values<T: Scalar>(&self, t: T, _x: &[T; N]) -> [T; 1] {
+    fn value<T: Scalar>(&self, _number: usize, t: T, _x: &[T; N]) -> T {
         // Zero at each flash, rising and falling in turn.
-        [((t - self.first) * (PI / self.period)).sin()]
+        ((t - self.first) * (PI / self.period)).sin()
     }
 }

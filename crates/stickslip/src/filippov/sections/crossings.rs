@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::over_step::{EventProbe, OverStep};
+use super::search::Standing;
 use super::{Direction, EventFunctions};
 use crate::filippov::scan::{
     BoundsBudget, Bracket, NARROWEST_INTERVAL, NODES, UNIT_NODES, far_from_zero,
@@ -33,7 +34,7 @@ const MAX_ITERATIONS: usize = 100;
 type OnCrossing<'a, const N: usize> = dyn FnMut(&EventProbe<N>, Direction) -> ControlFlow<()> + 'a;
 
 /// The search for the sign changes of one function over one step.
-pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize, const E: usize> {
+pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize> {
     pub over: OverStep<'a, S, V, K, N>,
     /// Last sign of the function beyond rounding; 0 while unknown.
     pub side: f64,
@@ -53,16 +54,45 @@ enum NextCrossing<const N: usize> {
     End,
 }
 
-impl<S, V, const N: usize, const G: usize, const E: usize> Crossings<'_, S, V, S::Mode, N, G, E>
+impl<'a, S, V, const N: usize, const G: usize> Crossings<'a, S, V, S::Mode, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, E>,
+    V: EventFunctions<N>,
 {
+    pub(super) fn new(over: OverStep<'a, S, V, S::Mode, N>, side: f64) -> Self {
+        Crossings {
+            over,
+            side,
+            stands: false,
+            samples: [0.0; NODES],
+        }
+    }
+
+    /// Compares a function that stands at a zero, or leaves it, with its value there. Returns how
+    /// it stands at the start of the step.
+    pub(super) fn stand(&mut self, mut standing: Standing) -> Standing {
+        if matches!(standing, Standing::Left) {
+            return standing;
+        }
+        if let Standing::AtStart(_) = standing {
+            standing = Standing::At(self.over.value_at_start());
+        }
+        let start = self.exact(0.0);
+        if self.side * start.value > 4.0 * self.over.rounding_at(&start) {
+            return Standing::Left;
+        }
+        if let Standing::At(zero) | Standing::Leaving(zero) = standing {
+            self.over.zero = zero;
+        }
+        self.stands = matches!(standing, Standing::At(_));
+        standing
+    }
+
     /// Reports crossings in order of time. [`Crossings::side`] is then the sign at the step's end,
     /// or after the crossing that ended the search.
     #[inline(always)]
     pub(super) fn each(&mut self, on_crossing: &mut OnCrossing<'_, N>) -> ControlFlow<()> {
-        self.samples = UNIT_NODES.map(|s| self.over.sampled(s));
+        self.samples = self.over.samples();
         let is_far = self.side != 0.0 && far_from_zero(&self.samples.map(|v| self.side * v));
         // Nearly every step returns here. Samples do not see a function that varies faster than
         // they resolve; bounds do.

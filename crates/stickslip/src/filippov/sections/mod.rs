@@ -34,8 +34,8 @@ impl Direction {
     }
 }
 
-/// `E` functions of time and state whose zeros are events: a section, a level, the end of a run.
-/// They do not affect the motion.
+/// Functions of time and state whose zeros are events: a section, a level, the end of a run. They
+/// do not affect the motion.
 ///
 /// An event is a change of sign by more than rounding. A function that touches zero and turns back
 /// has no event. A function may stay at zero for a while, as a boundary function does during stick.
@@ -48,9 +48,15 @@ impl Direction {
 ///
 /// /// Where the block passes the place 0.3, and where it turns back.
 /// struct PlaceAndTurn;
-/// impl EventFunctions<2, 2> for PlaceAndTurn {
-///     fn values<T: Scalar>(&self, _t: T, x: &[T; 2]) -> [T; 2] {
-///         [x[0] - 0.3, x[1]]
+/// impl EventFunctions<2> for PlaceAndTurn {
+///     fn count(&self) -> usize {
+///         2
+///     }
+///     fn value<T: Scalar>(&self, number: usize, _t: T, x: &[T; 2]) -> T {
+///         match number {
+///             0 => x[0] - 0.3,
+///             _ => x[1],
+///         }
 ///     }
 ///     fn direction(&self, number: usize) -> Direction {
 ///         [Direction::Both, Direction::Falling][number]
@@ -66,9 +72,14 @@ impl Direction {
 /// assert!(found.events.iter().any(|event| event.number == 1 && event.rate < 0.0));
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub trait EventFunctions<const N: usize, const E: usize> {
-    /// The functions at time `t` and state `x`, in any unit.
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E];
+pub trait EventFunctions<const N: usize> {
+    /// Number of functions; the default is one.
+    fn count(&self) -> usize {
+        1
+    }
+
+    /// Function `number`, counted from 0, at time `t` and state `x`, in any unit.
+    fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T;
 
     /// Which passages of function `number` are events; the default takes both.
     fn direction(&self, _number: usize) -> Direction {
@@ -88,10 +99,13 @@ pub trait EventFunctions<const N: usize, const E: usize> {
     }
 }
 
-impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, E> for &V {
+impl<V: EventFunctions<N>, const N: usize> EventFunctions<N> for &V {
+    fn count(&self) -> usize {
+        (**self).count()
+    }
     #[inline(always)]
-    fn values<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; E] {
-        (**self).values(t, x)
+    fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T {
+        (**self).value(number, t, x)
     }
     fn direction(&self, number: usize) -> Direction {
         (**self).direction(number)
@@ -105,10 +119,13 @@ impl<V: EventFunctions<N, E>, const N: usize, const E: usize> EventFunctions<N, 
 }
 
 /// No events.
-impl<const N: usize> EventFunctions<N, 0> for () {
+impl<const N: usize> EventFunctions<N> for () {
+    fn count(&self) -> usize {
+        0
+    }
     #[inline(always)]
-    fn values<T: Scalar>(&self, _t: T, _x: &[T; N]) -> [T; 0] {
-        []
+    fn value<T: Scalar>(&self, _number: usize, _t: T, _x: &[T; N]) -> T {
+        T::one()
     }
 }
 

@@ -1,24 +1,70 @@
 //! One event function over one step: approximately on the dense output, and as exactly as the
 //! step's own end.
 
+use std::cell::OnceCell;
+
 use super::EventFunctions;
 use crate::dual::Dual;
 use crate::filippov::flow::Flow;
 use crate::filippov::flow::gradient;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::Method;
+use crate::filippov::scan::{NODES, UNIT_NODES};
 use crate::filippov::switched::{Switched, UseFlow, Velocity};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::interval::Interval;
 use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
 use crate::system::{State, components};
 
+/// The solution over a step, evaluated once for all functions.
+pub(super) struct SampledStep<'a, K, const N: usize> {
+    pub step: &'a StepRecord<N, K>,
+    /// Times and states at the points of [`UNIT_NODES`].
+    nodes: OnceCell<[Timed<N>; NODES]>,
+    /// A box that contains the states.
+    enclosure: OnceCell<[Interval; N]>,
+}
+
+impl<'a, K, const N: usize> SampledStep<'a, K, N> {
+    pub(super) fn new(step: &'a StepRecord<N, K>) -> Self {
+        SampledStep {
+            step,
+            nodes: OnceCell::new(),
+            enclosure: OnceCell::new(),
+        }
+    }
+
+    /// Time and state on the dense output at a part of the step.
+    #[inline(always)]
+    fn at(&self, s: f64) -> Timed<N> {
+        let StepRecord {
+            t_start,
+            t_end,
+            dense,
+            ..
+        } = self.step;
+        let part = s * (t_end - t_start);
+        Timed {
+            t: t_start + part,
+            x: dense.at(part / dense.h),
+        }
+    }
+
+    fn nodes(&self) -> &[Timed<N>; NODES] {
+        self.nodes.get_or_init(|| UNIT_NODES.map(|s| self.at(s)))
+    }
+
+    fn enclosure(&self) -> &[Interval; N] {
+        self.enclosure.get_or_init(|| self.step.dense.enclosure())
+    }
+}
+
 /// An event function over a step; `s` is the part of the step, 0 at its start and 1 at its end.
 pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub system: &'a S,
     pub events: &'a V,
     pub number: usize,
-    pub step: &'a StepRecord<N, K>,
+    pub over: &'a SampledStep<'a, K, N>,
     pub method: Method,
     /// Recent size of the state's components. A component that passes through zero is not more
     /// accurate there.
@@ -37,59 +83,83 @@ pub(super) struct EventProbe<const N: usize> {
     pub rate: f64,
 }
 
-impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
+impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> {
+    fn step(&self) -> &StepRecord<N, K> {
+        self.over.step
+    }
+
     pub(super) fn length(&self) -> f64 {
-        self.step.t_end - self.step.t_start
+        self.step().t_end - self.step().t_start
     }
 
     /// The function on the dense output.
     #[inline(always)]
-    pub(super) fn sampled<const E: usize>(&self, s: f64) -> f64
-    where
-        V: EventFunctions<N, E>,
-    {
-        let StepRecord { t_start, dense, .. } = self.step;
-        let part = s * self.length();
-        let x = dense.at(part / dense.h);
-        self.events.values(t_start + part, components(&x))[self.number] - self.zero
+    pub(super) fn sampled(&self, s: f64) -> f64 {
+        self.value(&self.over.at(s))
+    }
+
+    /// The function at the points of [`UNIT_NODES`].
+    #[inline(always)]
+    pub(super) fn samples(&self) -> [f64; NODES] {
+        self.over.nodes().map(|at| self.value(&at))
+    }
+
+    /// The function at the step's start.
+    pub(super) fn value_at_start(&self) -> f64 {
+        let StepRecord {
+            t_start, x_start, ..
+        } = *self.step();
+        self.value(&Timed {
+            t: t_start,
+            x: x_start,
+        })
+    }
+
+    #[inline(always)]
+    fn value(&self, Timed { t, x }: &Timed<N>) -> f64 {
+        self.events.value(self.number, *t, components(x)) - self.zero
     }
 
     /// Whether samples of the step resolve the function.
-    pub(super) fn is_smooth<const E: usize>(&self) -> bool
-    where
-        V: EventFunctions<N, E>,
-    {
+    pub(super) fn is_smooth(&self) -> bool {
         self.events.is_as_smooth_as_state(self.number)
     }
 
+    /// Whether the box of the states proves that the function has the sign `side`.
+    pub(super) fn is_clear_throughout(&self, side: f64) -> bool {
+        let step = self.step();
+        let times = Interval::new(step.t_start, step.t_end);
+        self.has_sign(side, times, self.over.enclosure())
+    }
+
     /// Whether bounds prove that the function has the sign `side` between two parts of the step.
-    pub(super) fn is_clear<const E: usize>(&self, side: f64, (from, to): (f64, f64)) -> bool
-    where
-        V: EventFunctions<N, E>,
-    {
-        let StepRecord { t_start, dense, .. } = self.step;
+    pub(super) fn is_clear(&self, side: f64, (from, to): (f64, f64)) -> bool {
+        let StepRecord { t_start, dense, .. } = self.step();
         let (from, to) = (from * self.length(), to * self.length());
         let times = Interval::new(t_start + from, t_start + to);
         let states = dense.enclosure_between(from / dense.h, to / dense.h);
-        let values = Interval::decided(|| self.events.values(times, &states));
-        values.is_some_and(|values| ((values[self.number] - self.zero) * side).low > 0.0)
+        self.has_sign(side, times, &states)
+    }
+
+    fn has_sign(&self, side: f64, times: Interval, states: &[Interval; N]) -> bool {
+        let value = Interval::decided(|| self.events.value(self.number, times, states));
+        value.is_some_and(|value| ((value - self.zero) * side).low > 0.0)
     }
 
     /// State and function as exactly as the step gives them.
-    pub(super) fn exact<const G: usize, const E: usize>(&self, s: f64) -> EventProbe<N>
+    pub(super) fn exact<const G: usize>(&self, s: f64) -> EventProbe<N>
     where
         S: Switched<N, G, Mode = K>,
-        V: EventFunctions<N, E>,
     {
         let StepRecord {
             mode,
             t_start: t,
             x_start: x,
             ..
-        } = *self.step;
+        } = *self.step();
         let branch = self.system.branch_of_field(mode, &Timed { t, x });
         let state = StateInStep {
-            step: self.step,
+            step: self.step(),
             s,
             method: self.method,
         };
@@ -97,7 +167,7 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
         let x = components(&at.x);
         let velocity = self.system.with_flow(mode, branch, Velocity(at.t, x));
         let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
-        let function = |t, x: &[Dual<f64>; N]| self.events.values(t, x)[self.number];
+        let function = |t, x: &[Dual<f64>; N]| self.events.value(self.number, t, x);
         let Dual { re, eps } = function(Dual::new(at.t, 1.0), &along);
         EventProbe {
             s,
@@ -108,11 +178,8 @@ impl<'a, S, V, K: Copy, const N: usize> OverStep<'a, S, V, K, N> {
     }
 
     /// Rounding of the function at a zero near a probe.
-    pub(super) fn rounding_at<const E: usize>(&self, EventProbe { at, .. }: &EventProbe<N>) -> f64
-    where
-        V: EventFunctions<N, E>,
-    {
-        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[self.number], at);
+    pub(super) fn rounding_at(&self, EventProbe { at, .. }: &EventProbe<N>) -> f64 {
+        let (slopes, in_time) = gradient(|t, x| self.events.value(self.number, t, x), at);
         STATE_ROUNDING * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
     }
 }

@@ -3,13 +3,12 @@
 use std::ops::ControlFlow;
 
 use super::crossings::Crossings;
-use super::over_step::OverStep;
+use super::over_step::{OverStep, SampledStep};
 use super::{EventFunctions, EventRecord};
 use crate::filippov::flow::GUARDS;
 use crate::filippov::flow::gradient;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::{Method, Options};
-use crate::filippov::scan::NODES;
 use crate::filippov::switched::Switched;
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::Timed;
@@ -18,7 +17,7 @@ use crate::system::{State, components};
 /// Whether a function stands at a zero. It is compared with the value there, which location and
 /// rounding leave, until it has the sign that it left with.
 #[derive(Clone, Copy, Default)]
-enum Standing {
+pub(super) enum Standing {
     /// No longer.
     #[default]
     Left,
@@ -41,7 +40,7 @@ enum Standing {
 /// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord};
 ///
 /// /// Returns to a section, counted while exponents are measured.
-/// struct Returns<'a>(EventSearch<'a, Belt, Plane<2>, 2, 1>, usize);
+/// struct Returns<'a>(EventSearch<'a, Belt, Plane<2>, 2>, usize);
 /// impl Observer<2> for Returns<'_> {
 ///     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
 ///         self.1 += self.0.in_step(step).len();
@@ -62,42 +61,44 @@ enum Standing {
 /// assert!(returns.1 > 10);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub struct EventSearch<
-    'a,
-    S: Switched<N, G>,
-    V,
-    const N: usize,
-    const E: usize,
-    const G: usize = GUARDS,
-> {
+pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize = GUARDS> {
     system: &'a S,
     events: V,
     method: Method,
-    /// Last sign of each function; 0 while unknown.
-    sides: [f64; E],
-    /// Whether each function stands at a zero.
-    standing: [Standing; E],
-    /// Recent size of the state's components.
+    /// What is known of each function at the end of the last step, and at its start.
+    known: Vec<Known>,
+    known_before: Vec<Known>,
+    /// Recent size of the state's components, and that at the start of the last step.
     size: State<N>,
+    size_before: State<N>,
     last_events: Vec<EventRecord<N, S::Mode>>,
     /// Whether the search ends at the first event of each function in a step.
     only_first: bool,
 }
 
-impl<'a, S, V, const N: usize, const E: usize, const G: usize> EventSearch<'a, S, V, N, E, G>
+/// What the steps so far tell of a function.
+#[derive(Clone, Copy, Default)]
+struct Known {
+    /// Its last sign; 0 while unknown.
+    side: f64,
+    standing: Standing,
+}
+
+impl<'a, S, V, const N: usize, const G: usize> EventSearch<'a, S, V, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, E>,
+    V: EventFunctions<N>,
 {
     /// A search through successive steps of one run of `system` with `options`, from any step on.
     pub fn new(system: &'a S, events: V, options: &Options) -> Self {
         EventSearch {
             system,
+            known: vec![Known::default(); events.count()],
+            known_before: Vec::new(),
             events,
             method: options.method,
-            sides: [0.0; E],
-            standing: [Standing::default(); E],
             size: State::zeros(),
+            size_before: State::zeros(),
             last_events: Vec::new(),
             only_first: false,
         }
@@ -114,6 +115,8 @@ where
     #[inline]
     pub fn in_step(&mut self, step: &StepRecord<N, S::Mode>) -> &[EventRecord<N, S::Mode>] {
         self.last_events.clear();
+        self.known_before.clone_from(&self.known);
+        self.size_before = self.size;
         // A step of length zero holds nothing that the next one does not.
         if step.t_end > step.t_start {
             self.search(step);
@@ -141,38 +144,26 @@ where
 
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
-        let (events, only_first) = (&mut self.last_events, self.only_first);
-        for number in 0..E {
-            let requested = self.events.direction(number);
-            let (side, standing) = (self.sides[number], &mut self.standing[number]);
-            if let Standing::AtStart(_) = standing {
-                let x = components(&step.x_start);
-                *standing = Standing::At(self.events.values(step.t_start, x)[number]);
-            }
-            let mut over = OverStep {
+        let sampled = SampledStep::new(step);
+        for number in 0..self.known.len() {
+            let over = OverStep {
                 system: self.system,
                 events: &self.events,
                 number,
-                step,
+                over: &sampled,
                 method: self.method,
                 size: &self.size,
                 zero: 0.0,
             };
-            if let Standing::At(zero) | Standing::Leaving(zero) = *standing {
-                let start = over.exact(0.0);
-                if side * start.value > 4.0 * over.rounding_at(&start) {
-                    *standing = Standing::Left;
-                } else {
-                    over.zero = zero;
-                }
+            let Known { side, standing } = self.known[number];
+            let has_left = side != 0.0 && matches!(standing, Standing::Left);
+            if has_left && over.is_clear_throughout(side) {
+                continue;
             }
-            let samples = [0.0; NODES];
-            let mut crossings = Crossings::<S, V, _, N, G, E> {
-                over,
-                side,
-                stands: matches!(standing, Standing::At(_)),
-                samples,
-            };
+            let (requested, only_first) = (self.events.direction(number), self.only_first);
+            let events = &mut self.last_events;
+            let mut crossings = Crossings::<S, V, _, N, G>::new(over, side);
+            let standing = crossings.stand(standing);
             let _ = crossings.each(&mut |probe, direction| {
                 if requested.includes(direction) {
                     events.push(EventRecord {
@@ -189,12 +180,15 @@ where
                 }
                 ControlFlow::Continue(())
             });
-            self.sides[number] = crossings.side;
-            if let (Standing::At(zero), false) = (*standing, crossings.stands) {
-                *standing = Standing::Leaving(zero);
-            }
+            self.known[number] = Known {
+                side: crossings.side,
+                standing: match standing {
+                    Standing::At(zero) if !crossings.stands => Standing::Leaving(zero),
+                    standing => standing,
+                },
+            };
         }
-        events
+        self.last_events
             .sort_by(|one, other| (one.t.total_cmp(&other.t)).then(one.number.cmp(&other.number)));
     }
 }
@@ -208,97 +202,106 @@ fn clear_sign(value: f64, size: f64) -> f64 {
     }
 }
 
-/// State of the search for the zeros of one function after the steps so far.
-pub(crate) struct SearchState<const N: usize> {
-    side: f64,
-    standing: Standing,
-    size: State<N>,
-}
-
-impl<S, V, const N: usize, const G: usize> EventSearch<'_, S, V, N, 1, G>
+impl<S, V, const N: usize, const G: usize> EventSearch<'_, S, V, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, 1>,
+    V: EventFunctions<N>,
 {
-    /// Last sign of the only function; 0 while unknown.
-    pub(crate) fn side(&self) -> f64 {
-        self.sides[0]
+    /// Last sign of a function; 0 while unknown.
+    pub(crate) fn side(&self, number: usize) -> f64 {
+        self.known[number].side
     }
 
-    /// The sign of the only function at a moment; 0 where it may be rounding, or is within what is
-    /// `left` of its zero by location, and by a distance of the state from a manifold.
-    pub(crate) fn sign_beyond(&self, left: f64, distance: f64, at: &Timed<N>) -> f64 {
-        let [value] = self.events.values(at.t, components(&at.x));
-        let (slopes, _) = gradient(|t, x| self.events.values(t, x)[0], at);
+    /// Gradient of a function in the state, and its time derivative.
+    fn slopes(&self, number: usize, at: &Timed<N>) -> (State<N>, f64) {
+        gradient(|t, x| self.events.value(number, t, x), at)
+    }
+
+    /// The sign of a function at a moment; 0 where it may be rounding, or is within what is `left`
+    /// of its zero by location, and by a distance of the state from a manifold.
+    pub(crate) fn sign_beyond(
+        &self,
+        number: usize,
+        (left, distance): (f64, f64),
+        at: &Timed<N>,
+    ) -> f64 {
+        let value = self.events.value(number, at.t, components(&at.x));
+        let (slopes, _) = self.slopes(number, at);
         match value.abs() <= left + slopes.abs().sum() * distance {
             true => 0.0,
-            false => self.sign_at(at),
+            false => self.sign_at(number, at),
         }
     }
 
-    /// The sign of the only function at a moment; 0 where it may be rounding.
-    pub(crate) fn sign_at(&self, at: &Timed<N>) -> f64 {
-        let [value] = self.events.values(at.t, components(&at.x));
-        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[0], at);
+    /// The sign of a function at a moment; 0 where it may be rounding.
+    pub(crate) fn sign_at(&self, number: usize, at: &Timed<N>) -> f64 {
+        let value = self.events.value(number, at.t, components(&at.x));
+        let (slopes, in_time) = self.slopes(number, at);
         let size = self.size.sup(&at.x.abs());
         clear_sign(value, slopes.abs().dot(&size) + in_time.abs() * at.t.abs())
     }
 
-    /// The sign of the rate of the only function where the state moves with this velocity.
-    pub(crate) fn sign_of_rate(&self, at: &Timed<N>, velocity: &State<N>) -> f64 {
-        let (slopes, in_time) = gradient(|t, x| self.events.values(t, x)[0], at);
+    /// The sign of a function's rate where the state moves with this velocity.
+    pub(crate) fn sign_of_rate(&self, number: usize, at: &Timed<N>, velocity: &State<N>) -> f64 {
+        let (slopes, in_time) = self.slopes(number, at);
         let size = slopes.abs().dot(&velocity.abs()) + in_time.abs();
         clear_sign(slopes.dot(velocity) + in_time, size)
     }
 
-    /// Whether one of the first `states` components moves the only function.
-    pub(crate) fn depends_on_state(&self, at: &Timed<N>, states: usize) -> bool {
-        let (slopes, _) = gradient(|t, x| self.events.values(t, x)[0], at);
+    /// Whether one of the first `states` components moves a function.
+    pub(crate) fn depends_on_state(&self, number: usize, at: &Timed<N>, states: usize) -> bool {
+        let (slopes, _) = self.slopes(number, at);
         slopes.iter().take(states).any(|slope| *slope != 0.0)
     }
 
-    /// State of the search after the steps so far.
-    pub(crate) fn state(&self) -> SearchState<N> {
-        SearchState {
-            side: self.sides[0],
-            standing: self.standing[0],
-            size: self.size,
-        }
-    }
-
     /// Forgets the part of the last step after the state at which the step is cut.
-    pub(crate) fn cut(&mut self, before: SearchState<N>, start: &State<N>, at: &State<N>) {
-        (self.sides[0], self.size) = (before.side, before.size);
-        // It may have left after that state.
-        if let (Standing::AtStart(_) | Standing::At(_), Standing::Leaving(zero)) =
-            (before.standing, self.standing[0])
-        {
-            self.standing[0] = Standing::At(zero);
+    pub(crate) fn cut(&mut self, start: &State<N>, at: &State<N>) {
+        for (known, before) in self.known.iter_mut().zip(&self.known_before) {
+            known.side = before.side;
+            // It may have left after that state.
+            if let (Standing::AtStart(_) | Standing::At(_), Standing::Leaving(zero)) =
+                (before.standing, known.standing)
+            {
+                known.standing = Standing::At(zero);
+            }
         }
+        self.size = self.size_before;
         self.note_size([start, at]);
     }
 
-    /// Sets the last sign of the only function; 0 if the state starts anew.
-    pub(crate) fn set_side(&mut self, side: f64) {
-        (self.sides[0], self.standing[0]) = (side, Standing::Left);
+    /// Sets the last sign of all functions; 0 if the state starts anew.
+    pub(crate) fn set_sides(&mut self, side: f64) {
+        (0..self.known.len()).for_each(|number| self.set_side(number, side));
     }
 
-    /// The only function stands at zero, of which location leaves this much at most, and leaves it
-    /// with this sign, as far as that is known.
-    pub(crate) fn stand_at_zero(&mut self, left: f64, side: f64) {
-        (self.sides[0], self.standing[0]) = (side, Standing::AtStart(left));
+    /// Sets the last sign of a function.
+    pub(crate) fn set_side(&mut self, number: usize, side: f64) {
+        self.known[number] = Known {
+            side,
+            standing: Standing::Left,
+        };
     }
 
-    /// What location leaves of the zero at which the only function stands.
-    pub(crate) fn left_of_zero(&self) -> f64 {
-        match self.standing[0] {
+    /// A function stands at zero, of which location leaves this much at most, and leaves it with
+    /// this sign, as far as that is known.
+    pub(crate) fn stand_at_zero(&mut self, number: usize, left: f64, side: f64) {
+        self.known[number] = Known {
+            side,
+            standing: Standing::AtStart(left),
+        };
+    }
+
+    /// What location leaves of the zero at which a function stands.
+    pub(crate) fn left_of_zero(&self, number: usize) -> f64 {
+        match self.known[number].standing {
             Standing::AtStart(left) | Standing::At(left) => left.abs(),
             Standing::Left | Standing::Leaving(_) => 0.0,
         }
     }
 
-    /// Whether the only function has not left its last zero.
-    pub(crate) fn stands_at_zero(&self) -> bool {
-        matches!(self.standing[0], Standing::AtStart(_) | Standing::At(_))
+    /// Whether a function has not left its last zero.
+    pub(crate) fn stands_at_zero(&self, number: usize) -> bool {
+        let standing = self.known[number].standing;
+        matches!(standing, Standing::AtStart(_) | Standing::At(_))
     }
 }

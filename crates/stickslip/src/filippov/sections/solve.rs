@@ -22,7 +22,7 @@ pub struct OrbitWithEvents<const N: usize, K = Mode> {
 ///
 /// # Errors
 /// As [`crate::solve`]; [`Failure::partial`] is the orbit up to the failure with its events.
-pub fn solve_with_events<S, V, const N: usize, const E: usize, const G: usize>(
+pub fn solve_with_events<S, V, const N: usize, const G: usize>(
     system: &S,
     events: &V,
     t0: f64,
@@ -32,7 +32,7 @@ pub fn solve_with_events<S, V, const N: usize, const E: usize, const G: usize>(
 ) -> Result<OrbitWithEvents<N, S::Mode>, Failure<OrbitWithEvents<N, S::Mode>>>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, E>,
+    V: EventFunctions<N>,
 {
     let x0 = x0.into_state();
     let mut outcome = OrbitWithEvents {

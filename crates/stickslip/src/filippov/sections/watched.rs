@@ -48,25 +48,18 @@ pub enum WatchedProgress<const N: usize, K = Mode> {
 /// assert_eq!(times.len(), 2);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub struct Watched<
-    'a,
-    S: Switched<N, G>,
-    V,
-    const N: usize,
-    const E: usize,
-    const G: usize = GUARDS,
-> {
+pub struct Watched<'a, S: Switched<N, G>, V, const N: usize, const G: usize = GUARDS> {
     integration: Integration<'a, S, N, G>,
-    search: EventSearch<'a, S, &'a V, N, E, G>,
+    search: EventSearch<'a, S, &'a V, N, G>,
     events: &'a V,
     /// Number of events of the last step that have been reported.
     reported: usize,
 }
 
-impl<'a, S, V, const N: usize, const E: usize, const G: usize> Watched<'a, S, V, N, E, G>
+impl<'a, S, V, const N: usize, const G: usize> Watched<'a, S, V, N, G>
 where
     S: Switched<N, G>,
-    V: EventFunctions<N, E>,
+    V: EventFunctions<N>,
 {
     /// Watches `integration` from its present state on.
     pub fn new(integration: Integration<'a, S, N, G>, events: &'a V) -> Self {
@@ -92,7 +85,7 @@ where
         }
         let progress = self.integration.step()?;
         // Without functions a step needs no dense output.
-        if E > 0
+        if self.events.count() > 0
             && let Progress::Step = progress
         {
             self.search.in_step(&self.integration.last_step());
