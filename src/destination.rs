@@ -1,7 +1,7 @@
 //! The long-term behaviour of an orbit of a periodically forced system.
 
 use stickslip::dynamics::{
-    AsDynamics, Components, Dynamics, Moment, OrbitProgress, Section, Summary, Vector,
+    AsDynamics, Components, Dynamics, Moment, OrbitProgress, Summary, Vector,
 };
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};

@@ -8,7 +8,6 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use blocks::Block;
-use stickslip::dynamics::Section;
 use stickslip::{Filippov, Method, Options, State, run};
 use stickslip_model::file::System;
 use stickslip_model::file::SystemFile;
@@ -33,15 +32,8 @@ fn shipped(name: &str) -> System {
 }
 
 fn from_file(system: &System, x: &[f64], options: &Options) -> f64 {
-    follow(
-        system.dynamics(),
-        (0.0, x),
-        SPAN,
-        options,
-        &[],
-        &mut ignore,
-    )
-    .map_or(f64::NAN, |ended| ended.x[0])
+    follow(system.dynamics(), (0.0, x), SPAN, options, &[], &mut ignore)
+        .map_or(f64::NAN, |ended| ended.x[0])
 }
 
 fn compiled<S: Filippov<N>, const N: usize>(system: &S, x: &[f64], options: &Options) -> f64 {

@@ -7,8 +7,8 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
-    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary,
-    Transition, Vector,
+    Modes, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition,
+    Vector,
 };
 use stickslip::{Ending, Error, Options};
 use stickslip_model::file::System as CompiledSystem;
@@ -112,11 +112,7 @@ struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    fn watch(
-        &mut self,
-        progress: OrbitProgress,
-        orbit: &mut dyn OrbitUnderWay,
-    ) -> ControlFlow<()> {
+    fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
             self.monitor.begin_anew();
         }

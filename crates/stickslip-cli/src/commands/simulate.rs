@@ -1,7 +1,7 @@
 //! `stickslip simulate`: an orbit, its phases and its transitions.
 
 use serde_json::{Map, json};
-use stickslip::dynamics::{Passage, Section, Summary};
+use stickslip::dynamics::{Passage, Summary};
 use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error};
 

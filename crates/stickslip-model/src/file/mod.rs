@@ -390,5 +390,4 @@ impl SystemFile {
         let read = read::read(&source).and_then(checked);
         read.map_err(|problem| FileError::wrong(problem, source))
     }
-
 }

@@ -11,7 +11,7 @@ use stickslip::{Direction, Scalar};
 
 use super::build::{self, Built};
 use super::builder::{Freed, NONE_FREE};
-use super::{FileError, Problem, SystemFile, did_you_mean};
+use super::{FileError, Formula, Problem, SectionEntry, Source, SystemFile, did_you_mean};
 use crate::expression::Tape;
 use crate::kernel::{
     Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, dynamics,
@@ -186,7 +186,12 @@ impl System {
             function: function.clone(),
             direction: section.direction,
         });
-        let dynamics = solver(&file, &built, (sections.collect(), interrupt.clone()), states)?;
+        let dynamics = solver(
+            &file,
+            &built,
+            (sections.collect(), interrupt.clone()),
+            states,
+        )?;
         Ok(System {
             file,
             values,
@@ -230,7 +235,12 @@ impl System {
             let section = section.map_err(|problem| FileError::wrong(problem, source))?;
             file.sections.push(section);
         }
-        System::of(Arc::new(file), self.values.clone(), built, self.interrupt.clone())
+        System::of(
+            Arc::new(file),
+            self.values.clone(),
+            built,
+            self.interrupt.clone(),
+        )
     }
 
     /// The system with orbits that end when `interrupt` is raised. This also holds for systems
@@ -267,7 +277,7 @@ impl System {
     fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, free)?;
         let states = self.states() + free.iter().flatten().count();
-        let with = (None, self.interrupt.clone());
+        let with = (Vec::new(), self.interrupt.clone());
         Ok(solver(&self.file, &built, with, states)?)
     }
 

@@ -7,7 +7,7 @@ use stickslip::analysis::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SpecialPoint, Stop,
     continue_equilibrium,
 };
-use stickslip::dynamics::{DynamicsRef, Section, Summary, Vector};
+use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
 
 use super::{EquilibriaOfBranch, extremes};

@@ -3,9 +3,7 @@
 use std::ops::ControlFlow;
 
 use numerics::golden_section;
-use stickslip::dynamics::{
-    DynamicsRef, OrbitProgress, OrbitUnderWay, Section, Step, Summary, Vector,
-};
+use stickslip::dynamics::{DynamicsRef, OrbitProgress, OrbitUnderWay, Step, Summary, Vector};
 use stickslip::{Error, Options};
 
 use crate::kernel::follow;

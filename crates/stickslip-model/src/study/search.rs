@@ -6,7 +6,7 @@ use stickslip::analysis::{
     Attractor, AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
     periodic_orbit, periodic_orbit_forced, with_shortest_period,
 };
-use stickslip::dynamics::{OrbitProgress, Section, Summary, Vector};
+use stickslip::dynamics::{OrbitProgress, Summary, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
 
@@ -166,14 +166,7 @@ impl Search<'_> {
         watcher: &mut Watcher<'_>,
     ) -> Result<Summary, Error> {
         let (system, start) = (self.system.dynamics(), (t, x.as_slice()));
-        follow(
-            system,
-            start,
-            t + span,
-            self.options,
-            &[],
-            watcher,
-        )
+        follow(system, start, t + span, self.options, &[], watcher)
     }
 
     /// The orbit of an autonomous system.

@@ -29,15 +29,7 @@ fn warning(system: &System) -> Option<String> {
     };
     let (start, options) = ((0.0, [1.0, 1.0]), Options::default());
     let start = (start.0, &start.1[..]);
-    follow(
-        system.dynamics(),
-        start,
-        6.0,
-        &options,
-        &[],
-        &mut watcher,
-    )
-    .unwrap();
+    follow(system.dynamics(), start, 6.0, &options, &[], &mut watcher).unwrap();
     watch.warning()
 }
 

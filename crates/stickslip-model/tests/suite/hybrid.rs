@@ -422,9 +422,7 @@ fn by_differences(of: &DynamicsRef<'_>, start: &[f64], t_end: f64, free: &[usize
             t: 0.0,
             x: Vector::from_vec(x),
         };
-        let mut orbit = of
-            .begin(&at, t_end, &options("taylor"), &[])
-            .unwrap();
+        let mut orbit = of.begin(&at, t_end, &options("taylor"), &[]).unwrap();
         loop {
             if let OrbitProgress::End(summary) = orbit.step().unwrap() {
                 break summary.x;
@@ -1000,9 +998,7 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
                 t: 0.3,
                 x: Vector::from_vec(vec![u, p]),
             };
-            let mut orbit = system
-                .begin(&at, 2.3, &options("taylor"), &[])
-                .unwrap();
+            let mut orbit = system.begin(&at, 2.3, &options("taylor"), &[]).unwrap();
             loop {
                 if let OrbitProgress::End(summary) = orbit.step().unwrap() {
                     break summary.x[0] - u;

@@ -186,14 +186,6 @@ fn the_kinks_of_a_pulse_are_at_its_width() {
         ControlFlow::Continue(())
     };
     let start = (0.0, &[0.2, 0.3][..]);
-    follow(
-        &system,
-        start,
-        5.0,
-        &Options::default(),
-        &[],
-        &mut watcher,
-    )
-    .unwrap();
+    follow(&system, start, 5.0, &Options::default(), &[], &mut watcher).unwrap();
     assert_eq!(kinks, [0.6, 2.0, 2.6, 4.0, 4.6]);
 }

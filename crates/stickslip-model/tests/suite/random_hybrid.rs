@@ -101,10 +101,7 @@ fn found(system: &System, method: &str) -> RunResult {
     let x = Vector::from_vec(system.start().unwrap());
     let options = options(method).escape(1e3);
     let start = Moment { t: 0.0, x };
-    let mut orbit = match system
-        .dynamics()
-        .begin(&start, 6.0, &options, &[])
-    {
+    let mut orbit = match system.dynamics().begin(&start, 6.0, &options, &[]) {
         Ok(orbit) => orbit,
         Err(error) => return failed(Vec::new(), &error),
     };

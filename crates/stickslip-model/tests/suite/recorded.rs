@@ -32,13 +32,6 @@ pub fn run(system: &System, t_end: f64, options: &Options) -> (Summary, Vec<Even
         ControlFlow::Continue(())
     };
     let (dynamics, start) = (system.dynamics(), (system.built.t_start, &*x));
-    let ended = follow(
-        dynamics,
-        start,
-        t_end,
-        options,
-        &[],
-        &mut watcher,
-    );
+    let ended = follow(dynamics, start, t_end, options, &[], &mut watcher);
     (ended.unwrap(), events)
 }

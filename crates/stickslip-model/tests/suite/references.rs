@@ -51,15 +51,7 @@ fn assert_meets(name: &str, file: &SystemFile, settings: &[(&str, f64)], run: (&
             ControlFlow::Continue(())
         };
         let from = (t_start, start);
-        follow(
-            system.dynamics(),
-            from,
-            t_end,
-            &options,
-            &[],
-            &mut watcher,
-        )
-        .unwrap();
+        follow(system.dynamics(), from, t_end, &options, &[], &mut watcher).unwrap();
         assert_eq!(events.len(), records.len(), "{name}, {method:?}");
         for (event, record) in events.iter().zip(&records) {
             let kind = match event.kind {

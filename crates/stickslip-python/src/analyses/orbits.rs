@@ -60,14 +60,7 @@ pub(crate) fn periodic_orbit<'py>(
         };
         let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
         let dynamics = system.dynamics();
-        follow(
-            dynamics,
-            start,
-            t_end,
-            &options,
-            &[],
-            &mut watcher,
-        )?;
+        follow(dynamics, start, t_end, &options, &[], &mut watcher)?;
         Ok((orbit, phases_of_period(&phases)))
     })?;
     let (orbit, (phases, stick)) = orbit.whole(|error: Failure| error.raised(compiled))?;

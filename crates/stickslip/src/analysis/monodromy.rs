@@ -2,7 +2,7 @@
 
 use super::tangent::{Tangent, flatten};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Step, Summary,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Step, Summary,
     Transition, Vector,
 };
 use crate::error::Error;

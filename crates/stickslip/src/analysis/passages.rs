@@ -25,7 +25,7 @@ pub(super) fn passages(
 ) -> Result<Vec<Moment>, Error> {
     let begun = system.begin(state, state.t + span, options, &[])?;
     let plane = plane(system, begun.mode(), state);
-    let mut run = system.begin(start, start.t + span, options, &plane)?;
+    let mut run = system.begin(start, start.t + span, options, &[plane])?;
     let mut passages = Vec::new();
     loop {
         match run.step()? {

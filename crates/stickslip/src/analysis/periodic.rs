@@ -8,7 +8,7 @@ use super::monodromy::{flow_derivative, velocity_in};
 use super::multipliers::{eigenvalues, multipliers};
 use super::passages::{passages, plane};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Section, Vector, run,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Vector, run,
 };
 use crate::error::Error;
 use crate::filippov::Options;

@@ -8,8 +8,8 @@ use super::section::TypedFunctions;
 use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, Switched, TIME_ROUNDING,
-    Transition, TransitionKind,
+    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, Switched,
+    TIME_ROUNDING, Transition, TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -175,7 +175,11 @@ where
         };
         integration.stop_at(Timed { t, x });
         let is_due = |at: &&EventRecord<N, S::Mode>| at.t - t <= TIME_ROUNDING * t.abs();
-        let mut due: Vec<usize> = events.iter().take_while(is_due).map(|at| at.number).collect();
+        let mut due: Vec<usize> = events
+            .iter()
+            .take_while(is_due)
+            .map(|at| at.number)
+            .collect();
         due.sort_unstable();
         self.due.extend(due.iter().map(|&number| Due {
             number,

@@ -275,7 +275,13 @@ where
 
     fn watch(&mut self, sections: &[Section]) {
         self.reported = 0;
-        let search = || EventSearch::new(self.view.system, self.view.sections(sections), &self.options);
+        let search = || {
+            EventSearch::new(
+                self.view.system,
+                self.view.sections(sections),
+                &self.options,
+            )
+        };
         self.search = (!sections.is_empty()).then(search);
     }
 

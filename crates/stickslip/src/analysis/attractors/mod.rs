@@ -199,7 +199,8 @@ pub(super) fn attractors_of(
         x: x.clone(),
     };
     let moments: Vec<Moment> = starts.iter().map(at_zero).collect();
-    let search = |x| Search::new(system, x, &section, settings, &options);
+    let sections = section.as_slice();
+    let search = |x| Search::new(system, x, sections, settings, &options);
     let mut searches: Vec<Search<'_>> = starts.iter().map(search).collect();
     let mut outcomes: Vec<_> = starts.iter().map(|_| None).collect();
     let mut is_enough = false;
@@ -216,7 +217,7 @@ pub(super) fn attractors_of(
         }
         ControlFlow::Break(())
     };
-    let begun = system.follow_all(&moments, settings.longest, &options, &section, listener);
+    let begun = system.follow_all(&moments, settings.longest, &options, sections, listener);
     for ((outcome, begun), x) in outcomes.iter_mut().zip(begun).zip(starts) {
         if let Err(error) = begun
             && !is_enough

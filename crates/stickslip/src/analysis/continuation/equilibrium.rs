@@ -15,7 +15,7 @@ use crate::analysis::attractors::equilibrium::{
 use crate::analysis::cycle::{Function, Path, Zero, unit, with_last_digits};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
-use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Section, Vector};
+use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 use crate::system::{Mode, Side};

@@ -9,7 +9,7 @@ use super::{BranchPoint, Stop};
 use crate::analysis::attractors::equilibrium::{ZERO, equilibrium_near, holds};
 use crate::analysis::monodromy::velocity_in;
 use crate::analysis::multipliers::eigenvalues;
-use crate::dynamics::{Modes, Moment, OrbitProgress, Section, Vector};
+use crate::dynamics::{Modes, Moment, OrbitProgress, Vector};
 use crate::math;
 
 /// Speed below which an equilibrium is looked for, in extents of the orbit per period. Chosen: far

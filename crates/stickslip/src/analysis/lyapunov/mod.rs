@@ -47,8 +47,8 @@ pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Moment, OrbitProgress, OrbitUnderWay, Section, Summary,
-    Typed, observed,
+    AsDynamics, Components, Dynamics, Moment, OrbitProgress, OrbitUnderWay, Summary, Typed,
+    observed,
 };
 use crate::error::Error;
 use crate::filippov::{Observer, Options, Switched};
@@ -145,9 +145,7 @@ fn measured_alone(
     settings: &SpectrumOptions,
     count: usize,
 ) -> Result<Spectrum, Error> {
-    let begin = |at: &Moment, t_end: f64, options: &Options| {
-        system.begin(at, t_end, options, &[])
-    };
+    let begin = |at: &Moment, t_end: f64, options: &Options| system.begin(at, t_end, options, &[]);
     measured(system, start, (settings, count), begin)
 }
 
