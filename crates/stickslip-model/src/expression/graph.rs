@@ -321,6 +321,24 @@ impl Graph {
         self.depends(root, |input| input > 0)
     }
 
+    /// Whether numbers are affine functions of states and time.
+    pub(super) fn are_affine(&self, roots: &[Id]) -> bool {
+        let is_constant = |id: Id| matches!(self.node(id), Node::Constant(_));
+        let mut is_affine = vec![false; self.nodes.len()];
+        for (i, node) in self.nodes.iter().enumerate() {
+            let of = |id: Id| is_affine[id.index()];
+            is_affine[i] = match *node {
+                Node::Constant(_) | Node::Input(_) => true,
+                Node::Negative(a) => of(a),
+                Node::Sum(a, b) | Node::Difference(a, b) => of(a) && of(b),
+                Node::Product(a, b) => is_constant(a) && of(b) || is_constant(b) && of(a),
+                Node::Quotient(a, b) => is_constant(b) && of(a),
+                _ => false,
+            };
+        }
+        roots.iter().all(|root| is_affine[root.index()])
+    }
+
     fn depends(&self, root: Id, wanted: impl Fn(u8) -> bool) -> bool {
         let is_used = self.used_by(&[root]);
         let mut nodes = self.nodes.iter().zip(is_used);

@@ -28,6 +28,8 @@ pub struct Tape {
     steps: Vec<Step>,
     registers: usize,
     outputs: Vec<Output>,
+    /// Whether all numbers are affine functions of states and time.
+    is_affine: bool,
 }
 
 /// One operation: register `to` becomes `a operation b`, or `a operation constant`.
@@ -84,7 +86,16 @@ impl Tape {
     /// # Errors
     /// [`TooLarge`].
     pub fn new(graph: &Graph, roots: &[Id], states: usize) -> Result<Tape, TooLarge> {
-        Layout::new(graph, roots, states).tape(roots)
+        let tape = Layout::new(graph, roots, states).tape(roots)?;
+        Ok(Tape {
+            is_affine: graph.are_affine(roots),
+            ..tape
+        })
+    }
+
+    /// Whether all numbers are affine functions of states and time.
+    pub fn is_affine(&self) -> bool {
+        self.is_affine
     }
 
     /// Number of operations.
@@ -240,6 +251,7 @@ impl<'a> Layout<'a> {
         });
         Ok(Tape {
             outputs: outputs.collect(),
+            is_affine: false,
             registers: self.given,
             steps: self.steps,
         })

@@ -263,4 +263,8 @@ impl<const N: usize> EventFunctions<N> for OwnSections {
     fn direction(&self, number: usize) -> Direction {
         self.0[number].direction
     }
+
+    fn is_as_smooth_as_state(&self, number: usize) -> bool {
+        self.0[number].function.is_affine()
+    }
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use stickslip::Options;
-use stickslip::dynamics::{OrbitProgress, Section};
+use stickslip::dynamics::OrbitProgress;
 use stickslip_model::file::{Source, System, SystemFile};
 use stickslip_model::kernel::follow;
 use stickslip_model::study::FrictionWatch;

@@ -7,7 +7,7 @@ use stickslip::analysis::{
     CycleBifurcation, SequenceBifurcation, SpecialPoint, SpectrumOptions, Stop, lyapunov_spectrum,
     monodromy,
 };
-use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Section, Vector};
+use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
 use stickslip::{Ending, Error, math};
 use stickslip_model::file::SystemFile;

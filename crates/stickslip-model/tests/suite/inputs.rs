@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use stickslip::analysis::monodromy;
-use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, Section, Vector};
+use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, Vector};
 use stickslip::math::exp;
 use stickslip::{Method, Options};
 use stickslip_model::file::{Source, System, SystemFile};

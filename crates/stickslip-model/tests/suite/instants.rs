@@ -4,7 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use numerics::SplitMix;
-use stickslip::{Error, Options, math};
+use stickslip::dynamics::Passage;
+use stickslip::{AtPileUp, Direction, Ending, Error, Options, math};
 
 use crate::run::{METHODS, Run, end, options, simulated_by, system};
 
@@ -223,5 +224,150 @@ fn a_clock_counts_the_same_in_pieces_that_end_at_its_beats() {
         }
         assert_eq!(n, 5.0, "{method}");
         assert!((x - 12.5).abs() < 1e-10, "{method}: {x}");
+    }
+}
+
+#[test]
+fn contact_and_jump_on_one_surface_accumulate_and_rest_where_the_contact_holds() {
+    for ratio in [0.5, 0.9, 0.95] {
+        let text = format!(
+            "name = \"case\"\n[time]\nend = 60\n[states]\nx = \"\"\nv = \"\"\n\
+             [contacts.c]\nboundary = \"x\"\n[jumps.j]\nwhen = \"x\"\nset = {{ v = \"{ratio}*v\" }}\n\
+             [field]\nx = \"v\"\nv = \"-c\"\n[start]\nx = 1\nv = 0\n"
+        );
+        // Half an oscillation lasts twice its speed at zero.
+        let limit = f64::sqrt(2.0) * (1.0 + 2.0 * ratio / (1.0 - ratio));
+        for method in METHODS {
+            let stopped = Run::of(system(&text), &options(method), None).ended;
+            let Err(Error::EventPileUp {
+                contacts,
+                accumulation: Some(accumulation),
+                ..
+            }) = stopped
+            else {
+                panic!("{method} {ratio}: {stopped:?}");
+            };
+            assert_eq!(contacts, [0, 1]);
+            assert!(accumulation.holds);
+            let off = (accumulation.t - limit).abs();
+            // The uncertainty contains no errors of steps.
+            assert!(
+                off <= accumulation.uncertainty + 2e-11,
+                "{method} {ratio}: {off:e}"
+            );
+            let rests = options(method).at_pile_up(AtPileUp::Rest);
+            let run = Run::of(system(&text), &rests, None);
+            assert_eq!(run.ending(), Ending::EndTime, "{method} {ratio}");
+            let (t, kind, name) = run.transitions.last().unwrap();
+            assert_eq!((*kind, name.as_str()), ("stick entry", "c"));
+            assert!((t - limit).abs() < 2e-11, "{method} {ratio}: {t}");
+            assert!(run.end("x").abs() < 1e-12 && run.end("v").abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_belt_that_rests_holds_a_block_at_the_limit_of_friction() {
+    // The block converges to the very place where friction just holds it while the belt rests.
+    let text = "name = \"case\"\n[time]\nend = 200\n[states]\nx = \"\"\nv = \"\"\n\
+                [contacts.belt]\nboundary = \"v - max(sin(pi*t/1.7),0)\"\nfriction = \"1.4\"\n\
+                [field]\nx = \"v\"\nv = \"- x - friction(belt)\"\n[start]\nx = 0.1\nv = 0.2\n";
+    let speed = |t: f64| math::sin(PI * t / 1.7).max(0.0);
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        assert_eq!(run.ending(), Ending::EndTime, "{method}");
+        let of = |kind: &str| -> Vec<f64> {
+            let all = run.transitions.iter().filter(|(_, one, _)| *one == kind);
+            all.map(|(t, ..)| *t).collect()
+        };
+        let (entries, exits) = (of("stick entry"), of("stick exit"));
+        for (sticks, (from, to)) in [(0.85641, 3.4), (4.9415, 5.1), (8.4980, 10.2)]
+            .iter()
+            .enumerate()
+        {
+            assert!(
+                (entries[sticks] - from).abs() < 1e-4,
+                "{method}: {entries:?}"
+            );
+            assert!((exits[sticks] - to).abs() < 1e-4, "{method}: {exits:?}");
+        }
+        // It moves with the belt or lags behind it.
+        assert!(run.end("v") <= speed(200.0) + 1e-9);
+        assert!((run.end("x") - 1.4).abs() < 1.0);
+    }
+}
+
+/// A slide that reaches a two-fold at t = 11.15393805, with or without a second contact.
+fn slide_to_two_fold(boundaries: &str, far: &str) -> String {
+    format!(
+        "name = \"case\"\n[time]\nstart = 8\nend = 15\n[states]\nx0 = \"\"\nx1 = \"\"\nx2 = \"\"\n\
+         [contacts.c0]\nboundary = \"0.3503*x0 + 0.1885*x1 + 0.9389*x2 - 0.5884 - \
+         0.3616*sin(1.091*t)\"\n{boundaries}[field]\n\
+         x0 = \"-0.2541*x0^3 + 1.289*x0 - 0.4222*x2 + by_side(c0, -0.7373*x1, 0.9362) + 0.5148\"\n\
+         x1 = \"-0.048*x1^3 - 1.273*x2 + by_side(c0, 0.8001*x0, 0.005601) - 0.5916\"\n\
+         x2 = \"-0.3981*x2^3 + 0.5316*x0 + 0.5118*x1 + 0.01729*x2*sin(x2) - 1.5607 + 0.3*cos(1){far}\"\n\
+         [start]\nx0 = 2.6404544259281932\nx1 = -0.9067981121029407\nx2 = 0.07076052537829378\n"
+    )
+}
+
+#[test]
+fn a_slide_ends_at_a_two_fold_however_many_contacts_there_are() {
+    let second = "[contacts.far]\nboundary = \"x0 + 100\"\n";
+    for method in METHODS {
+        let ends = [("", ""), (second, " + 0*far")].map(|(boundaries, far)| {
+            let text = slide_to_two_fold(boundaries, far);
+            let run = Run::of(system(&text), &options(method), None);
+            let ended = run.ended.unwrap();
+            assert!(
+                matches!(ended.ending, Ending::TwoFold(_)),
+                "{method}: {ended:?}"
+            );
+            ended.t
+        });
+        for t in ends {
+            // No step resolves the last 5e-7.
+            assert!((t - 11.15393805).abs() < 1e-6, "{method}: {ends:?}");
+        }
+    }
+}
+
+#[test]
+fn watched_functions_change_no_bit_and_are_found_as_alone() {
+    let belt = "name = \"case\"\n[time]\nend = 40\n[states]\nx = \"\"\nv = \"\"\n\
+                [contacts.belt]\nboundary = \"v - 0.3\"\nfriction = \"1/(1 + abs(v - 0.3))\"\n\
+                [field]\nx = \"v\"\nv = \"- x + 0.2*cos(1.7*t) - friction(belt)\"\n\
+                [start]\nx = 0.5\nv = 0.1\n";
+    let bounce = ball(0.0, 0.9, (1.0, 0.0), 12.0).replace("h = \"v\"", "h = \"v + 0*h\"");
+    for (text, sections) in [
+        (
+            belt,
+            ["x - 0.4", "v", "x*x + v*v - 0.3", "sin(3*t)", "x - 2"],
+        ),
+        (
+            bounce.as_str(),
+            ["h - 0.3", "v", "h*v - 0.1", "sin(3*t)", "h - 2"],
+        ),
+    ] {
+        let sections = sections.map(|function| (function, Direction::Both));
+        for method in METHODS {
+            let run = |sections: &[_]| {
+                let watched = system(text).with_sections(sections).unwrap();
+                Run::of(watched, &options(method), None)
+            };
+            let (all, none) = (run(&sections), run(&[]));
+            assert_eq!(all.transitions, none.transitions);
+            assert_eq!(all.ended, none.ended);
+            assert!(none.passages.is_empty() && all.passages.len() > 20);
+            assert!(all.passages.is_sorted_by(|one, other| one.t <= other.t));
+            for (number, section) in sections.iter().enumerate() {
+                let alone = run(std::slice::from_ref(section)).passages;
+                let found = all.passages.iter().filter(|at| at.number == number);
+                let found: Vec<_> = found
+                    .cloned()
+                    .map(|at| Passage { number: 0, ..at })
+                    .collect();
+                assert_eq!(found, alone, "{method} {section:?}");
+            }
+        }
     }
 }

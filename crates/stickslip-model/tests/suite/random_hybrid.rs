@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use numerics::SplitMix;
-use stickslip::dynamics::{Moment, OrbitProgress, Section, Vector};
+use stickslip::dynamics::{Moment, OrbitProgress, Vector};
 use stickslip::{Ending, Error, TransitionKind};
 use stickslip_model::file::System;
 

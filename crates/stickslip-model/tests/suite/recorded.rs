@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section, Summary};
+use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Summary};
 use stickslip::{Method, Options, TransitionKind};
 use stickslip_model::file::{System, SystemFile};
 use stickslip_model::kernel::follow;

@@ -3,7 +3,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
+use stickslip::dynamics::{OrbitProgress, OrbitUnderWay};
 use stickslip::{Method, Options, TransitionKind};
 use stickslip_model::file::{Source, SystemFile};
 use stickslip_model::kernel::follow;

@@ -81,6 +81,7 @@ where
             return Ok(None);
         }
         integration.end_at(t_end.min(kink));
+        integration.number_jumps_from(view.contacts);
         let is_prescribed = integration.is_prescribed();
         let count = if is_prescribed { 0 } else { jumps.count() };
         let functions = view.functions_of_jumps(count);

@@ -69,6 +69,12 @@ pub trait Jumps<const N: usize> {
     /// The state after a jump, from that before it.
     fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N];
 
+    /// Whether error control resolves the function over a step as it does the state; see
+    /// [`crate::EventFunctions::is_as_smooth_as_state`].
+    fn is_as_smooth_as_state(&self, _jump: usize) -> bool {
+        false
+    }
+
     /// Number of occurrences of a jump that ends the run; `None` by default.
     fn most(&self, _jump: usize) -> Option<u64> {
         None

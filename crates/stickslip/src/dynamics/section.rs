@@ -124,7 +124,8 @@ where
         match &self.kinds[number] {
             FunctionKind::Plane(_) | FunctionKind::Turning => true,
             FunctionKind::Own(own) => self.own.is_as_smooth_as_state(*own),
-            FunctionKind::Strobe(_) | FunctionKind::Jump(_) => false,
+            FunctionKind::Jump(jump) => self.jumps.is_as_smooth_as_state(*jump),
+            FunctionKind::Strobe(_) => false,
         }
     }
 }

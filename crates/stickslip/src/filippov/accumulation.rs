@@ -46,12 +46,20 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     }
 
     /// Continuation of a pile-up: stick at the accumulation point, an ending, or the error.
-    fn resolve_pile_up(&mut self, series: Option<GeometricSeries<N>>) -> Result<Due, Error> {
+    pub(super) fn resolve_pile_up(
+        &mut self,
+        series: Option<GeometricSeries<N>>,
+    ) -> Result<Due, Error> {
         let point = series.as_ref().and_then(|series| {
+            // Jumps hold nothing.
+            let contacts = series.contacts.iter().copied();
+            let contacts: Vec<usize> = contacts.filter(|one| *one < self.contacts).collect();
             let run = &mut self.run;
-            let point =
+            let point = (!contacts.is_empty()).then(|| {
                 self.system
-                    .stick_at_accumulation(run, self.mode, &series.contacts, &series.at)?;
+                    .stick_at_accumulation(run, self.mode, &contacts, &series.at)
+            });
+            let point = point.flatten()?;
             let distance = (point.at.x - series.at.x).amax();
             (distance <= series.distance + run.slack()).then_some(point)
         });
@@ -60,7 +68,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             self.sticking_point = point;
             return Ok(Due::Accumulation);
         }
-        let two_fold = self.system.ending_of_pile_up(&self.run, self.mode);
+        // A two-fold is approached by crossings alone.
+        let has_jumps = self.pile_up.has_one_of(self.contacts..usize::MAX);
+        let two_fold = match has_jumps {
+            true => None,
+            false => self.system.ending_of_pile_up(&self.run, self.mode),
+        };
         let shrinks = series.is_none() && self.pile_up.shrinks(&self.run.options);
         let ending = two_fold.or(shrinks.then_some(Ending::Shrunk));
         let Some(ending) = ending else {

@@ -69,6 +69,8 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) due: Due,
     /// Whether the next step is prepared.
     is_ready: bool,
+    /// Number of contacts that the system has; jumps are numbered after them.
+    pub(super) contacts: usize,
     /// Whether inputs move the state at times that the run ends at in between.
     pub(super) has_inputs: bool,
     /// Whether the observer has asked for the end of the run at the end of a phase.
@@ -172,11 +174,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             mode,
             branch: system.branch(mode, inside),
             last_mode: mode,
-            pile_up: PileUpDetector::new(inside, mode),
+            pile_up: PileUpDetector::new(inside, mode, S::of_contacts),
             sticking_point: None,
             recordings: Recordings::default(),
             due: Due::Begin,
             is_ready: false,
+            contacts: S::CONTACTS,
             has_inputs: false,
             is_stopping: false,
         }
@@ -366,7 +369,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     fn switch(&mut self, event: &Event<N>) -> Result<Progress<N, S::Mode>, Error> {
         let from = self.mode;
         if let Some(point) = self.sticking_point.take() {
-            self.pile_up = PileUpDetector::new(&self.run.at, point.to);
+            self.pile_up = PileUpDetector::new(&self.run.at, point.to, S::of_contacts);
             self.record_event(point.contact, point.to)?;
             (self.mode, self.branch) = (point.to, point.branch);
             self.run.orders = point.orders;

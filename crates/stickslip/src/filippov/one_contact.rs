@@ -10,12 +10,12 @@ use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
 use super::options::{AtRepelling, Options};
 use super::rules::{
-    Departure, Fate, LeadingDerivative, LieDerivatives, Visibility, WithStaticFriction, departure,
+    Departure, Fate, LeadingDerivative, LieDerivatives, WithStaticFriction, departure,
     departure_by, on_boundary,
 };
 use super::run::StepState;
 use super::switched::{Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes};
-use super::two_fold::two_fold;
+use super::two_fold::{two_fold, two_fold_followed, two_fold_in_stick};
 use super::uncertainty::RELATIVE_ROUNDING;
 use crate::dual::Dual;
 use crate::dynamics::Modes;
@@ -95,17 +95,8 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         _branch: &mut f64,
         event: &Event<N>,
     ) -> Result<Next<Mode, GUARDS>, Error> {
-        if from == Mode::Stick
-            && let Some(two_fold) = two_fold(self, run, from)
-        {
-            let chosen = match run.options.at_repelling {
-                AtRepelling::Stop => return Ok(Next::End(Ending::TwoFold(two_fold))),
-                AtRepelling::GoBelow => Side::Below,
-                AtRepelling::GoAbove => Side::Above,
-            };
-            if two_fold.visibility(chosen) == Visibility::Visible {
-                return Ok(Next::Mode(Mode::Slip(chosen), [2, 0, 0]));
-            }
+        if let Some(followed) = two_fold_followed(self, run, from, 0) {
+            return Ok(followed);
         }
         let vanishes = from == Mode::Stick
             && self.with_flow(
@@ -118,11 +109,11 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 
     fn guard_at_collapse(&self, run: &StepState<N, GUARDS>, mode: Mode) -> Option<usize> {
-        (mode == Mode::Stick && two_fold(self, run, mode).is_some()).then_some(0)
+        two_fold_in_stick(self, run, mode)
     }
 
     fn ending_of_pile_up(&self, run: &StepState<N, GUARDS>, mode: Mode) -> Option<Ending> {
-        two_fold(self, run, mode).map(Ending::TwoFold)
+        two_fold(self, run, mode, 0).map(Ending::TwoFold)
     }
 
     fn stick_at_accumulation(

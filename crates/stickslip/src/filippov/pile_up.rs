@@ -4,11 +4,13 @@
 //! Near an accumulation point every round of phases is the previous one, scaled by a ratio. The
 //! durations are a geometric series, and Aitken's extrapolation gives its limit.
 
+use std::ops::Range;
+
 use super::options::Options;
 use super::run::{StepState, TIME_ROUNDING};
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
-use crate::system::State;
+use crate::system::{Mode, State};
 
 /// A phase is resolved if some component moves by more than so many tolerances in it. Chosen: the
 /// errors of the two events that bound it are then below a hundredth of the motion.
@@ -118,6 +120,8 @@ pub struct PileUpDetector<const N: usize, K> {
     /// the state in one of them.
     unresolved: usize,
     is_driven: bool,
+    /// The modes of the contacts.
+    modes: fn(&K) -> &[Mode],
     /// The number of transitions, and the last of them: number `i` at index `i % HISTORY`.
     count: usize,
     last: [PastTransition<N, K>; HISTORY],
@@ -125,7 +129,7 @@ pub struct PileUpDetector<const N: usize, K> {
 
 impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     /// A detector before any transition; `at` and `mode` are placeholders.
-    pub(crate) fn new(at: &Timed<N>, mode: K) -> Self {
+    pub(crate) fn new(at: &Timed<N>, mode: K, modes: fn(&K) -> &[Mode]) -> Self {
         let nowhere = PastTransition {
             at: *at,
             contact: 0,
@@ -138,6 +142,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             has_moved: false,
             unresolved: 0,
             is_driven: false,
+            modes,
             count: 0,
             last: [nowhere; HISTORY],
         }
@@ -152,9 +157,19 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         &self.last[(self.count + HISTORY - 1 - n) % HISTORY]
     }
 
-    /// The contacts of the last `count` transitions, in ascending order.
+    /// Whether a recorded transition is of one of these contacts and jumps.
+    pub(crate) fn has_one_of(&self, numbers: Range<usize>) -> bool {
+        (0..self.recorded()).any(|back| numbers.contains(&self.nth_last(back).contact))
+    }
+
+    /// The contacts and jumps of the last `count` transitions, and the contacts whose modes these
+    /// jumps change, in ascending order.
     fn contacts(&self, count: usize) -> Vec<usize> {
         let mut contacts: Vec<usize> = (0..count).map(|back| self.nth_last(back).contact).collect();
+        for back in 0..count.min(self.recorded().saturating_sub(1)) {
+            let [to, from] = [back, back + 1].map(|back| (self.modes)(&self.nth_last(back).to));
+            contacts.extend((0..to.len()).filter(|&i| to[i] != from[i]));
+        }
         contacts.sort_unstable();
         contacts.dedup();
         contacts

@@ -50,6 +50,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         self.run.is_prescribed
     }
 
+    /// Numbers jumps from here on: the system has so many contacts, and its type may have more.
+    pub(crate) fn number_jumps_from(&mut self, contacts: usize) {
+        self.contacts = contacts;
+    }
+
     /// Continues from another state at the same time, or ends there. The mode is decided as at a
     /// start. This counts as a transition of a contact with that number.
     ///
@@ -66,14 +71,32 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         let (from, to) = &self.run.last;
         self.run.h = self.run.h.min(MAX_GROWTH * (to.t - from.t));
         self.begin_phase();
+        let from = self.mode;
         self.decide_mode()?;
+        // Where contacts and jumps accumulate, rounding would decide that a contact sticks.
+        let begins_to_stick = |&contact: &usize| {
+            let [before, after] = [&from, &self.mode].map(|modes| S::of_contacts(modes)[contact]);
+            before != Mode::Stick && after == Mode::Stick
+        };
+        let sticking: Vec<usize> = (0..self.contacts).filter(begins_to_stick).collect();
+        if !sticking.is_empty()
+            && let Some(series) = self
+                .pile_up
+                .series_reached_at(self.run.at.t, &self.run.options)
+            && sticking
+                .iter()
+                .any(|contact| series.contacts.contains(contact))
+        {
+            self.due = self.resolve_pile_up(Some(series))?;
+            return Ok(());
+        }
         // A jump that recurs at the same time belongs to a pile-up.
         if self.pile_up.is_last(number, self.run.at.t) {
             return Err(self.pile_up_error());
         }
         match self.record_event(number, self.mode) {
             Err(Error::EventPileUp { .. }) if !self.pile_up.shrinks(&self.run.options) => {
-                return Err(self.pile_up_error());
+                self.due = self.resolve_pile_up(self.pile_up.series())?;
             }
             // A clock may trigger jumps of a state that does not move.
             Err(Error::EventPileUp { .. }) | Ok(()) => {}

@@ -70,6 +70,16 @@ pub(crate) fn far_from_zero(values: &[f64; NODES]) -> bool {
     least + most > 4.0 * (most - least) && sum.is_finite()
 }
 
+/// Whether a function that is positive at the points of [`UNIT_NODES`] is so between them, as far as
+/// samples tell.
+pub(crate) fn stays_positive(values: &[f64; NODES]) -> bool {
+    let samples = Samples {
+        nodes: UNIT_NODES,
+        values: *values,
+    };
+    values.iter().all(|v| *v > 0.0) && matches!(samples.verdict(), Verdict::Clear)
+}
+
 /// Whether the values at the points of [`far_from_zero`] are finite.
 pub(crate) fn is_defined(value: impl Fn(f64) -> f64) -> bool {
     UNIT_NODES.iter().all(|&s| value(s).is_finite())

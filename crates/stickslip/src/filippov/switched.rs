@@ -244,8 +244,8 @@ impl<const N: usize> UseFlow<N> for Settled<N> {
     }
 }
 
-/// Whether the guard of an event vanishes there, to the tolerance. It does not where the guard
-/// jumps, as at a kink of a boundary.
+/// Whether the guard of an event vanishes there, as precisely as events are located. It does not
+/// where the guard jumps, as at a kink of a boundary.
 pub(crate) struct Vanishes<'a, const N: usize>(pub &'a Event<N>, pub &'a Options);
 
 impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {
@@ -254,7 +254,7 @@ impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {
     fn with<F: Flow<N>>(self, flow: &F) -> bool {
         let Vanishes(event, options) = self;
         let blur = uncertainty(flow, event.guard, &event.at, &options.tolerance());
-        event.residual <= blur.by_tolerance + blur.by_rounding
+        event.residual <= blur.zero()
     }
 }
 

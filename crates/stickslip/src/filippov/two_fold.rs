@@ -4,11 +4,15 @@
 //! in (Teixeira, *J. Math. Anal. Appl.* 145 (1990) 65; Colombo & Jeffrey, *SIAM J. Appl. Dyn.
 //! Syst.* 10 (2011) 423). After one the future is not unique.
 
-use super::flow::{boundary_gradient, normal_component};
+use super::flow::{Flow, flow_path, gradient};
+use super::options::AtRepelling;
 use super::rules::{LieDerivatives, Visibility};
 use super::run::{StepState, TIME_ROUNDING};
-use crate::orbit::{Approach, TwoFold};
-use crate::system::{Filippov, Mode, Side, State, components};
+use super::switched::{Next, Switched, UseFlow};
+use crate::dynamics::Modes;
+use crate::ode::Timed;
+use crate::orbit::{Approach, Ending, TwoFold};
+use crate::system::{Mode, Side, State};
 
 /// A two-fold that an orbit reaches within about this time counts as reached. No step resolves the
 /// way there, since the sliding field changes as fast as its direction. Chosen: a longer time
@@ -20,39 +24,125 @@ const TWO_FOLD_TIME: f64 = 5e-7;
 /// factor grows without bound.
 const FIELD_DIFFERENCE: f64 = 10.0;
 
-/// The two-fold at the present state, if there is one: the orbits of both fields are tangent to Σ
-/// within [`TWO_FOLD_TIME`]. It is reached by sliding if the orbit has slid for longer than that,
-/// else by crossings.
-pub(super) fn two_fold<S: Filippov<N>, const N: usize, const G: usize>(
+/// The two-fold of a contact at the present state, if there is one: with the other contacts in
+/// their modes, the orbits of both its fields are tangent to its boundary within
+/// [`TWO_FOLD_TIME`]. It is reached by sliding if the orbit has slid for longer than that, else by
+/// crossings.
+pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     run: &StepState<N, G>,
-    mode: Mode,
+    mode: S::Mode,
+    contact: usize,
 ) -> Option<TwoFold> {
     let at = &run.at;
     let within = TWO_FOLD_TIME.max(TIME_ROUNDING * at.t.abs());
-    let approach = if mode == Mode::Stick && at.t - run.from.t > within {
+    let sticks = S::of_contacts(&mode)[contact] == Mode::Stick;
+    let approach = if sticks && at.t - run.from.t > within {
         Approach::Sliding
     } else {
         Approach::Crossings
     };
-    let kind = |side: Side| {
-        let lie = LieDerivatives::new(system, side, at.t, &at.x, 0.0);
-        let is_tangent = lie.values[1].abs() <= lie.values[2].abs() * within;
-        // If the second derivative vanishes as well, the point is more degenerate than a two-fold.
-        let kind = lie.visibility(side);
-        (is_tangent && kind != Visibility::Degenerate).then_some(kind)
-    };
-    let x = components(&at.x);
-    let [below, above] = [Side::Below, Side::Above].map(|side| system.field(side, at.t, x));
-    let [down, up] = [&below, &above].map(|f| normal_component(system, at.t, x, f));
-    let difference = (State::from(above) - State::from(below)).norm();
-    let slope = boundary_gradient(system, at.t, &at.x).0.norm();
-    if difference * slope <= FIELD_DIFFERENCE * (up - down).abs() {
+    let [below, above] = [Side::Below, Side::Above].map(|side| {
+        let slips = with_mode::<S, N, G>(mode, contact, Mode::Slip(side));
+        system.with_flow(slips, system.branch(slips, at), Tangency(contact, at))
+    });
+    let difference = (above.velocity - below.velocity).norm();
+    let rates = [&below, &above].map(|side| side.derivatives[1]);
+    // Both functions are the boundary's, of different signs.
+    if difference * below.slope <= FIELD_DIFFERENCE * (rates[0] + rates[1]).abs() {
         return None;
     }
+    let kind = |tangency: &TangencyOfSide<N>| {
+        let [_, first, second, _] = tangency.derivatives;
+        let is_tangent = first.abs() <= second.abs() * within;
+        // If the second derivative vanishes as well, the point is more degenerate than a two-fold.
+        is_tangent.then_some(tangency.kind)
+    };
+    let is_fold = |kind: &Visibility| *kind != Visibility::Degenerate;
     Some(TwoFold {
-        below: kind(Side::Below)?,
-        above: kind(Side::Above)?,
+        below: kind(&below).filter(is_fold)?,
+        above: kind(&above).filter(is_fold)?,
         approach,
     })
+}
+
+/// The first contact in stick at a two-fold of its own.
+pub(super) fn two_fold_in_stick<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    run: &StepState<N, G>,
+    mode: S::Mode,
+) -> Option<usize> {
+    let modes = S::of_contacts(&mode);
+    let sticks = (0..modes.len()).filter(|&contact| modes[contact] == Mode::Stick);
+    let mut folds = sticks.filter(|&contact| two_fold(system, run, mode, contact).is_some());
+    folds.next()
+}
+
+/// What follows the end of a stick phase of a contact at a two-fold, if it is at one.
+pub(super) fn two_fold_followed<S: Switched<N, G>, const N: usize, const G: usize>(
+    system: &S,
+    run: &StepState<N, G>,
+    from: S::Mode,
+    contact: usize,
+) -> Option<Next<S::Mode, G>> {
+    if S::of_contacts(&from)[contact] != Mode::Stick {
+        return None;
+    }
+    let two_fold = two_fold(system, run, from, contact)?;
+    let chosen = match run.options.at_repelling {
+        AtRepelling::Stop => return Some(Next::End(Ending::TwoFold(two_fold))),
+        AtRepelling::GoBelow => Side::Below,
+        AtRepelling::GoAbove => Side::Above,
+    };
+    let is_visible = two_fold.visibility(chosen) == Visibility::Visible;
+    is_visible.then(|| {
+        let mut orders = [0; G];
+        orders[contact] = 2;
+        Next::Mode(
+            with_mode::<S, N, G>(from, contact, Mode::Slip(chosen)),
+            orders,
+        )
+    })
+}
+
+/// The modes with another one of a contact.
+fn with_mode<S: Switched<N, G>, const N: usize, const G: usize>(
+    modes: S::Mode,
+    contact: usize,
+    mode: Mode,
+) -> S::Mode {
+    let mut modes = S::of_contacts(&modes).to_vec();
+    modes[contact] = mode;
+    S::restored(Modes::new(&modes))
+}
+
+/// How a flow touches the boundary of a contact that slips in it.
+struct Tangency<'a, const N: usize>(usize, &'a Timed<N>);
+
+struct TangencyOfSide<const N: usize> {
+    velocity: State<N>,
+    /// Value and time derivatives of the contact's guard: its boundary function, positive on its
+    /// side.
+    derivatives: [f64; 4],
+    kind: Visibility,
+    /// Length of the guard's gradient.
+    slope: f64,
+}
+
+impl<const N: usize> UseFlow<N> for Tangency<'_, N> {
+    type Output = TangencyOfSide<N>;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> TangencyOfSide<N> {
+        let Tangency(guard, at) = self;
+        let [lie] = LieDerivatives::along(at.t, &at.x, 0.0, |t, x| {
+            let path = flow_path(t, x, |t, x| flow.field(t, x));
+            [flow.guard(guard, path.0, &path.1)]
+        });
+        TangencyOfSide {
+            velocity: flow.velocity(at.t, &at.x),
+            derivatives: lie.values,
+            kind: lie.visibility(Side::Above),
+            slope: gradient(|t, x| flow.guard(guard, t, x), at).0.norm(),
+        }
+    }
 }

@@ -53,14 +53,7 @@ impl<const N: usize> Traced<N> {
 
     pub fn dynamics(self) -> DynamicsRef<'static> {
         let equations = Equations::OneContact(Box::new(self.formulas));
-        dynamics(
-            equations,
-            Vec::new(),
-            Switching::none(N),
-            (N, 1),
-            Vec::new(),
-        )
-        .expect("few states")
+        dynamics(equations, Vec::new(), Switching::none(N), (N, 1), None).expect("few states")
     }
 }
 

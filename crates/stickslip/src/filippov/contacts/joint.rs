@@ -19,8 +19,10 @@ const NEWTON_STEPS: usize = 7;
 pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
-/// it is the boundary function times the sign of the side. In stick it is `w (1 − w)` with `w` the
-/// weight of the field above.
+/// it is the boundary function times the sign of the side. In stick it is `w (1 − w) s` with `w` the
+/// weight of the field above and `s` the strength of friction, which is the difference of the
+/// contact's rates below and above while the contacts before it in the list hold. A weight at its
+/// limit ends stick, and so does a strength that vanishes, as at a two-fold.
 #[derive(Clone, Copy)]
 pub(super) struct Joint<'a, S, const M: usize> {
     pub(super) system: &'a S,
@@ -41,6 +43,18 @@ pub(super) struct Combination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
     /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
+    /// Strength of friction of every holding contact, in their order; 1 for those that share their
+    /// loads.
+    strengths: [T; M],
+}
+
+impl<T: Scalar, const N: usize, const M: usize> Combination<T, N, M> {
+    /// The guard of a holding contact, by its index among them.
+    #[inline(always)]
+    fn stick_guard(&self, index: usize) -> T {
+        let share = self.shares[index];
+        share * (-share + 1.0) * self.strengths[index]
+    }
 }
 
 /// The fields of the corners around one corner: linear in the weights.
@@ -196,12 +210,25 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         solve(&mut matrix, &mut shares, self.count);
         if S::MULTI_AFFINE && self.count > 1 {
             for _ in 0..NEWTON_STEPS {
-                self.newton(t, x, &mut shares);
+                matrix = self.newton(t, x, &mut shares);
             }
-            let field = self.multi_affine(t, x, &shares).0;
-            return Combination { field, shares };
+            return Combination {
+                field: self.multi_affine(t, x, &shares).0,
+                shares,
+                strengths: self.strengths(&matrix),
+            };
         }
-        self.combined(affine, shares)
+        self.combined(affine, shares, self.strengths(&matrix))
+    }
+
+    /// Strengths of friction: the pivots of elimination, of the other sign.
+    #[inline(always)]
+    fn strengths<T: Scalar>(&self, eliminated: &[[T; M]; M]) -> [T; M] {
+        let mut strengths = [T::one(); M];
+        for (k, strength) in strengths.iter_mut().enumerate().take(self.count) {
+            *strength = -eliminated[k][k];
+        }
+        strengths
     }
 
     /// The combination with these weights.
@@ -210,6 +237,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self,
         affine: Affine<T, N, M>,
         shares: [T; M],
+        strengths: [T; M],
     ) -> Combination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
@@ -218,7 +246,11 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 *rate = *rate + *share * *change;
             }
         }
-        Combination { field, shares }
+        Combination {
+            field,
+            shares,
+            strengths,
+        }
     }
 
     /// The combination for holding contacts of which some do not affect their own rates, as a
@@ -260,7 +292,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                     shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
-        self.combined(affine, shares)
+        self.combined(affine, shares, [T::one(); M])
     }
 
     /// Whether a holding contact affects the rates of others only, and they affect its own.
@@ -309,9 +341,14 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         })
     }
 
-    /// One Newton step for the weights of a multi-affine combination.
+    /// One Newton step for the weights of a multi-affine combination. Returns its eliminated matrix.
     #[inline(never)]
-    fn newton<T: Scalar, const N: usize>(&self, t: T, x: &[T; N], shares: &mut [T; M])
+    fn newton<T: Scalar, const N: usize>(
+        &self,
+        t: T,
+        x: &[T; N],
+        shares: &mut [T; M],
+    ) -> [[T; M]; M]
     where
         S: Contacts<N, M>,
     {
@@ -330,6 +367,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         for index in 0..self.count {
             shares[index] = shares[index] - step[index];
         }
+        matrix
     }
 
     /// The multi-affine combination of all corners, and its derivative in every weight.
@@ -392,6 +430,16 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         } else {
             Side::Below
         }
+    }
+
+    /// What a contact at its limit has none of: `w (1 − w)` of a holding contact, at most 1/4.
+    pub(super) fn reserve<const N: usize>(&self, contact: usize, t: f64, x: &State<N>) -> f64
+    where
+        S: Contacts<N, M>,
+    {
+        let shares = self.combination(t, components(x)).shares;
+        let share = shares[self.index_among_held(contact)];
+        share * (1.0 - share)
     }
 
     #[inline(always)]
@@ -500,8 +548,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
     #[inline(always)]
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T {
         if self.holds[i] {
-            let share = self.combination(t, x).shares[self.index_among_held(i)];
-            share * (-share + 1.0)
+            self.combination(t, x).stick_guard(self.index_among_held(i))
         } else {
             self.slip_guard(i, &self.system.boundaries(t, x))
         }
@@ -517,16 +564,15 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
             }
             return (self.system.field(&self.sides, t, x), guards);
         }
-        let Combination { field, shares } = self.combination(t, x);
+        let combination = self.combination(t, x);
         for (i, guard) in guards.iter_mut().enumerate().take(M) {
             *guard = if self.holds[i] {
-                let share = shares[self.index_among_held(i)];
-                share * (-share + 1.0)
+                combination.stick_guard(self.index_among_held(i))
             } else {
                 self.slip_guard(i, &h)
             };
         }
-        (field, guards)
+        (combination.field, guards)
     }
 
     fn settle(&self, t: f64, x: State<N>) -> State<N> {

@@ -14,6 +14,7 @@ use crate::filippov::run::StepState;
 use crate::filippov::switched::{
     Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes,
 };
+use crate::filippov::two_fold::{two_fold_followed, two_fold_in_stick};
 use crate::filippov::uncertainty::{STATE_ROUNDING, uncertainties};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
@@ -141,6 +142,14 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     ) -> Result<Next<[Mode; M], M>, Error> {
         let contact = event.guard;
         let shared = std::mem::take(branch);
+        match two_fold_followed(self, run, from, contact) {
+            Some(Next::Mode(to, orders)) => {
+                *branch = self.branch(to, &run.at);
+                return Ok(Next::Mode(to, orders));
+            }
+            Some(ended) => return Ok(ended),
+            None => {}
+        }
         if shared && let Some((to, still_shared)) = self.with_shared_load_kept(run, from, contact) {
             *branch = still_shared;
             let mut orders = [0; M];
@@ -172,6 +181,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             *branch = Joint::new(&self.0, to).hold_each_other(&run.at);
         }
         Ok(next)
+    }
+
+    fn guard_at_collapse(&self, run: &StepState<N, M>, mode: [Mode; M]) -> Option<usize> {
+        two_fold_in_stick(self, run, mode)
     }
 
     fn stick_at_accumulation(
@@ -231,8 +244,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         // A contact that is released by this one belongs to this event. Another contact at its own
         // zero is a second event at the same time.
         let joint = Joint::new(&self.0, &at.from);
-        let comes_of_this =
-            |i: usize| at.from[i] == Mode::Stick && joint.guard_at(i, at.t, &at.x) > GUARD_AT_LIMIT;
+        let comes_of_this = |i: usize| {
+            at.from[i] == Mode::Stick && joint.reserve(i, at.t, &at.x) > RESERVE_AT_LIMIT
+        };
         changed(at).all(|i| i == at.contact || comes_of_this(i))
     }
 
@@ -339,9 +353,9 @@ impl<S> Several<S> {
     }
 }
 
-/// A holding contact is at its limit if its guard is below this; midway the guard is 1/4. Chosen
-/// far above the error of a located event, and far below the guard of a contact that holds.
-const GUARD_AT_LIMIT: f64 = 1e-6;
+/// A holding contact is at its limit if its reserve is below this; midway that is 1/4. Chosen far
+/// above the error of a located event, and far below the reserve of a contact that holds.
+const RESERVE_AT_LIMIT: f64 = 1e-6;
 
 /// The contacts whose mode changes.
 fn changed<const N: usize, const M: usize>(

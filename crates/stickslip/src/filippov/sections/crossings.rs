@@ -7,7 +7,7 @@ use super::search::Standing;
 use super::{Direction, EventFunctions};
 use crate::filippov::scan::{
     BoundsBudget, Bracket, NARROWEST_INTERVAL, NODES, UNIT_NODES, far_from_zero,
-    first_bracket_within, zero_in,
+    first_bracket_within, stays_positive, zero_in,
 };
 use crate::filippov::switched::Switched;
 
@@ -97,11 +97,21 @@ where
         // Nearly every step returns here. Samples do not see a function that varies faster than
         // they resolve; bounds do.
         let is_clear = || self.over.is_smooth() || self.over.is_clear(self.side, (0.0, 1.0));
-        if is_far && (is_clear() || self.first_bracket(0.0).is_none()) {
+        if is_far && (is_clear() || self.first_bracket(0.0).is_none()) || self.passes_by() {
             self.stands = false;
             return ControlFlow::Continue(());
         }
         self.search(on_crossing)
+    }
+
+    /// Whether a function that samples resolve keeps its sign beyond rounding.
+    fn passes_by(&self) -> bool {
+        let heights = self.samples.map(|v| self.side * v);
+        if self.side == 0.0 || !self.over.is_smooth() || !stays_positive(&heights) {
+            return false;
+        }
+        let blur = [0, NODES - 1].map(|node| self.over.rounding_at_node(node));
+        heights[0] > blur[0] && heights[NODES - 1] > blur[1]
     }
 
     #[cold]

@@ -178,7 +178,16 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
     }
 
     /// Rounding of the function at a zero near a probe.
-    pub(super) fn rounding_at(&self, EventProbe { at, .. }: &EventProbe<N>) -> f64 {
+    pub(super) fn rounding_at(&self, probe: &EventProbe<N>) -> f64 {
+        self.rounding(&probe.at)
+    }
+
+    /// Rounding of the function at a zero near one of [`UNIT_NODES`].
+    pub(super) fn rounding_at_node(&self, node: usize) -> f64 {
+        self.rounding(&self.over.nodes()[node])
+    }
+
+    fn rounding(&self, at: &Timed<N>) -> f64 {
         let (slopes, in_time) = gradient(|t, x| self.events.value(self.number, t, x), at);
         STATE_ROUNDING * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
     }
