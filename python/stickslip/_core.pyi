@@ -59,6 +59,7 @@ class Dense:
     def at(self, times: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 def _unwind() -> None: ...
+def end_of(memory: str) -> tuple[float, list[float]]: ...
 def solve(
     system: System,
     start: _Start,
@@ -67,6 +68,7 @@ def solve(
     t_eval: NDArray[np.float64] | None,
     dense_output: bool,
     settings: _Settings,
+    memory: str | None,
     report: _Report,
 ) -> _Found: ...
 def periodic_orbit(

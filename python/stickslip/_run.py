@@ -149,10 +149,10 @@ class DenseOutput:
             bound = f"within the run, {readable(self.t_min)} to {readable(self.t_max)}"
             raise out_of_bounds("t", float(times[outside].flat[0]), bound)
         if self._core is None:
-            system, start, t_end, options = self._run
+            system, start, t_end, options, memory = self._run
             until, nothing = (t_end, self.t_max), np.empty(0)
             again = call_engine(
-                _core.solve, system._core, start, until, [], nothing, True, options, None
+                _core.solve, system._core, start, until, [], nothing, True, options, memory, None
             )
             self._core = again["sol"]
         found: Floats = call_engine(self._core.at, np.ascontiguousarray(times.ravel()))
@@ -218,6 +218,8 @@ class Solution:
     phases: NDArray[np.void]
     system: System
     _between: DenseOutput | None = None
+    _memory: str | None = None
+    _made: Any = None
 
     @property
     def success(self) -> bool:
@@ -260,10 +262,31 @@ class Solution:
         return axes
 
 
+def _end_of(
+    sol: Solution, system: System, t0: Any, made: Any
+) -> tuple[tuple[float, list[float]], str]:
+    """The end of a run as a start, and what goes on from there with the same bits."""
+    if sol._memory is None:
+        raise ValueError(
+            "the run in y0 has not reached its end time, so that none goes on from it: start at "
+            "y0=sol.y[:, -1]"
+        )
+    last = sol.system
+    if (last._text, last.parameters) != (system._text, system.parameters) or sol._made != made:
+        raise ValueError(
+            "the run in y0 is of another system, or with another method, tolerance or option: go "
+            "on with the same, or start at y0=sol.y[:, -1]"
+        )
+    end = _core.end_of(sol._memory)
+    if float(t0) != end[0]:
+        raise ValueError(f"t_span begins at {t0!r}, and the run in y0 ended at {end[0]!r}")
+    return end, sol._memory
+
+
 def solve_ivp(
     system: System,
     t_span: tuple[float, float],
-    y0: ArrayLike | Mapping[State, float] | None = None,
+    y0: ArrayLike | Mapping[State, float] | Solution | None = None,
     method: Method = "taylor",
     t_eval: ArrayLike | None = None,
     dense_output: bool = False,
@@ -281,9 +304,10 @@ def solve_ivp(
         inputs are parts of it and are located to rounding.
     t_span : (float, float)
         Start time and end time; the end is later.
-    y0 : array_like, shape (n,), or dict, optional
+    y0 : array_like, shape (n,), dict or Solution, optional
         Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
-        Discrete states may be left out.
+        Discrete states may be left out. With a solution the run goes on from its end: orbit and
+        end are those of a single run, bit for bit.
     method : {"taylor", "dop853"}, optional
         The integration method.
     t_eval : array_like, shape (m,), optional
@@ -323,7 +347,12 @@ def solve_ivp(
     """
     backwards = "backwards in time is a run of the system with negative rates"
     t0, t_end = pair(t_span, "t_span", backwards)
-    begin = start(system, t0, y0)
+    made = settings({"method": method, **options})
+    memory = None
+    if isinstance(y0, Solution):
+        begin, memory = _end_of(y0, system, t0, made)
+    else:
+        begin = start(system, t0, y0)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
@@ -339,7 +368,6 @@ def solve_ivp(
     given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]
     watched = [one if isinstance(one, Event) else event(one) for one in given]
     core = system._with_sections((one.function, one.direction) for one in watched)
-    made = settings({"method": method, **options})
     with progress_report(progress, "solve_ivp", "", span=(t0, t_end)) as report:
         found = call_engine(
             _core.solve,
@@ -350,6 +378,7 @@ def solve_ivp(
             times,
             dense_output,
             made,
+            memory,
             report,
         )
     end = found.pop("t_end")
@@ -363,7 +392,8 @@ def solve_ivp(
     found["y"] = found["y"].T
     for table in ("transitions", "phases"):
         found[table] = structured(found[table])
-    between = DenseOutput((system, begin, t_end, made), end, dense)
+    between = DenseOutput((system, begin, t_end, made, memory), end, dense)
+    found["_memory"] = found.pop("memory")
     return make_result(
         found,
         Solution,
@@ -372,4 +402,5 @@ def solve_ivp(
         t_events=None if events is None else [one[0] for one in passed],
         y_events=None if events is None else [one[1] for one in passed],
         system=system,
+        _made=made,
     )

@@ -189,5 +189,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<run::Dense>()?;
     module.add_function(wrap_pyfunction!(task::unwind, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)?;
+    module.add_function(wrap_pyfunction!(run::end_of, module)?)?;
     analyses::add(module)
 }

@@ -4,15 +4,16 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
-    Modes, OrbitProgress, OrbitUnderWay, Passage, Phase, Solution, Step, Summary, Transition,
-    Vector,
+    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step, Summary,
+    Transition, Vector,
 };
 use stickslip::{Ending, Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::kernel::follow;
+use stickslip_model::kernel::follow_on;
 use stickslip_model::study::{FrictionWatch, StepMonitor};
 
 use crate::errors::{Keywords, failed, words};
@@ -194,6 +195,7 @@ impl Recording<'_> {
 struct Solved<'a> {
     recording: Recording<'a>,
     outcome: Result<Summary, Error>,
+    memory: Option<RunMemory>,
     /// Whether an event ended the run.
     is_terminated: bool,
 }
@@ -205,9 +207,14 @@ fn solved<'a>(
     most: &[usize],
     ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
     (requested, keeps_steps, limit): (Option<Vec<f64>>, bool, f64),
+    from: Option<&RunMemory>,
     signals: &'a mut Signals,
 ) -> Solved<'a> {
     let start = (t, Vector::from_column_slice(x));
+    let at = Moment {
+        t,
+        x: start.1.clone(),
+    };
     let mut recording = Recording {
         events: most.iter().map(|&most| Passages::new(most)).collect(),
         limit,
@@ -235,7 +242,17 @@ fn solved<'a>(
     // Without events the section of the system is not used.
     let sections = sections.get(..most.len()).unwrap_or_default();
     let dynamics = system.dynamics();
-    let outcome = follow(dynamics, (t, x), t_end, options, sections, &mut watcher);
+    let begun = match from {
+        None => dynamics.begin(&at, t_end, options, sections),
+        Some(memory) => dynamics.resume(memory, t_end, options, sections),
+    };
+    let mut memory = None;
+    let outcome = begun.and_then(|mut orbit| {
+        orbit.remember();
+        let outcome = follow_on(&mut *orbit, &mut watcher);
+        memory = orbit.memory();
+        outcome
+    });
     let terminal = recording.events.iter().filter_map(Passages::terminal);
     let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
     if let Some(at) = &terminal {
@@ -246,8 +263,17 @@ fn solved<'a>(
     Solved {
         recording,
         outcome,
+        // An event that ends the run leaves no step that its end has shortened.
+        memory: memory.filter(|_| terminal.is_none()),
         is_terminated: terminal.is_some(),
     }
+}
+
+/// Time and state of the end of a run.
+#[pyfunction]
+pub(crate) fn end_of(memory: &str) -> PyResult<(f64, Vec<f64>)> {
+    let memory = remembered(memory)?;
+    Ok((memory.t(), memory.x().iter().copied().collect()))
 }
 
 /// Follows an orbit from `t` to `t_end`, as far as `limit`.
@@ -265,9 +291,11 @@ pub(crate) fn solve<'py>(
     t_eval: Option<PyReadonlyArray1<'py, f64>>,
     dense_output: bool,
     settings: Settings,
+    from: Option<&str>,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t_end, limit) = until;
+    let from: Option<RunMemory> = from.map(remembered).transpose()?;
     let options = settings.options()?;
     let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
@@ -275,9 +303,16 @@ pub(crate) fn solve<'py>(
     let wanted = (requested, dense_output, limit);
     let compiled = &system.compiled;
     let run = ((t, &x[..]), t_end, &options);
-    let solved = py.detach(|| solved(compiled, &most, run, wanted, &mut signals));
+    let solved = py.detach(|| solved(compiled, &most, run, wanted, from.as_ref(), &mut signals));
     let fields = described(py, compiled, solved, (t, x.len()))?;
     fields.ended(signals.raised)
+}
+
+/// The end of a run, from its text.
+fn remembered(text: &str) -> PyResult<RunMemory> {
+    serde_json::from_str(text).map_err(|error| {
+        PyValueError::new_err(format!("y0 holds no end of a run that can go on: {error}"))
+    })
 }
 
 /// The result of a run, for Python.
@@ -290,6 +325,7 @@ fn described<'py>(
     let Solved {
         recording,
         outcome,
+        memory,
         is_terminated,
     } = solved;
     let (status, message) = match &outcome {
@@ -310,6 +346,8 @@ fn described<'py>(
         Ok((times, array(py, x.collect(), [states])?))
     });
     fields.put("events", events.collect::<PyResult<Vec<_>>>()?)?;
+    let memory = memory.and_then(|memory| serde_json::to_string(&memory).ok());
+    fields.put("memory", memory)?;
     fields.put("status", status)?;
     fields.put("message", message)?;
     let calls = outcome.as_ref().ok();

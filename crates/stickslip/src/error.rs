@@ -236,6 +236,15 @@ pub enum Error {
         /// State reached.
         x: Point,
     },
+    /// A run goes on from the end of a run of another system.
+    #[error(
+        "the run that ended at t = {t} is of another system, with other states, contacts or jumps; \
+            go on with the system and the options of that run"
+    )]
+    Memory {
+        /// Time at which it ended.
+        t: f64,
+    },
     /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
         "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",

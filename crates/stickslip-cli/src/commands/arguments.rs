@@ -342,8 +342,16 @@ impl RunArguments {
         &self,
         find: impl FnOnce(&PreparedRun) -> Result<Report, Failure>,
     ) -> Result<CommandOutput, Failure> {
-        let prepared = self.prepared()?;
-        let report = find(&prepared).map_err(|failure| failure.of(&prepared.system))?;
+        self.with_report_of(&self.prepared()?, find)
+    }
+
+    /// Runs a command from a start that is prepared, and writes its files.
+    pub(super) fn with_report_of(
+        &self,
+        prepared: &PreparedRun,
+        find: impl FnOnce(&PreparedRun) -> Result<Report, Failure>,
+    ) -> Result<CommandOutput, Failure> {
+        let report = find(prepared).map_err(|failure| failure.of(&prepared.system))?;
         Ok(report.written(self.output.out.as_ref(), &self.output)?)
     }
 }

@@ -16,6 +16,7 @@ mod new;
 mod orbit;
 mod range;
 mod recording;
+mod resume;
 mod search;
 mod simulate;
 mod spectrum;

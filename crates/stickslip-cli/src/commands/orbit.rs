@@ -40,7 +40,7 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         figures: true,
         steps: false,
     };
-    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options, wanted);
+    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options, wanted, None);
     outcome?;
     let (extremes, _) = extremes(system.dynamics(), (orbit.t, x), t_end, options)?;
 

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use plot::Trace;
 use stickslip::dynamics::{
-    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, Step, Summary, Transition,
-    Vector,
+    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Step, Summary,
+    Transition, Vector,
 };
 use stickslip::error::readable;
 use stickslip::{Direction, Error, Mode, Options, TransitionKind};
@@ -15,7 +15,7 @@ use crate::failure::CommandLine;
 use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
 use stickslip_model::file::{InputShape, System};
-use stickslip_model::kernel::follow;
+use stickslip_model::kernel::follow_on;
 use stickslip_model::study::{FrictionWatch, StepMonitor};
 
 /// Number of parts of a step for a curve through the orbit, which has a point between any two.
@@ -196,6 +196,8 @@ pub(super) struct Recording {
     /// them the solution is less accurate.
     pub(super) steps: Vec<f64>,
     pub(super) pictures: Option<Pictures>,
+    /// The end, if another run can go on from it.
+    pub(super) memory: Option<RunMemory>,
     wanted: Wanted,
     t_end: f64,
     monitor: StepMonitor,
@@ -203,16 +205,19 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Records a run, and returns how it ended. A stiff system is told while it runs.
+    /// Records a run, and returns how it ended; it goes on from the end of another run, if one is
+    /// given. A stiff system is told while it runs.
     pub(super) fn of(
         system: &System,
         start: (f64, &[f64]),
         t_end: f64,
         options: &Options,
         wanted: Wanted,
+        from: Option<&RunMemory>,
     ) -> (Self, Result<Summary, Error>) {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
         let begin = Moment { t, x };
+        let at = begin.clone();
         let mut recording = Recording {
             phases: Vec::new(),
             transitions: Vec::new(),
@@ -221,6 +226,7 @@ impl Recording {
             end: begin.clone(),
             steps: Vec::new(),
             pictures: wanted.figures.then(|| Pictures::new(system, &begin)),
+            memory: None,
             wanted,
             t_end,
             monitor: StepMonitor::new(start, t_end, options),
@@ -249,7 +255,18 @@ impl Recording {
             ControlFlow::Continue(())
         };
         let (dynamics, sections) = (system.dynamics(), system.sections());
-        let ended = follow(dynamics, start, t_end, options, &sections, &mut watcher);
+        let begun = match from {
+            None => dynamics.begin(&at, t_end, options, &sections),
+            Some(memory) => dynamics.resume(memory, t_end, options, &sections),
+        };
+        let mut memory = None;
+        let ended = begun.and_then(|mut orbit| {
+            orbit.remember();
+            let ended = follow_on(&mut *orbit, &mut watcher);
+            memory = orbit.memory();
+            ended
+        });
+        recording.memory = memory;
         recording.progress.clear();
         recording.doubtful.extend(friction.warning());
         let below = recording.monitor.below_tolerance(system, &CommandLine);

@@ -1,12 +1,15 @@
 //! `stickslip simulate`: an orbit, its phases and its transitions.
 
+use std::path::PathBuf;
+
 use serde_json::{Map, json};
-use stickslip::dynamics::{Passage, Summary};
+use stickslip::dynamics::{Passage, RunMemory, Summary};
 use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error};
 
 use super::arguments::{PreparedRun, RunArguments};
 use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
+use super::resume::End;
 use super::trajectory::{self, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, by_state};
@@ -15,12 +18,18 @@ use stickslip_model::file::System;
 /// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///
 /// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section),
-/// portrait.svg and history.svg.
+/// portrait.svg, history.svg, and end.json, from which --resume goes on.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
     #[arg(long, value_name = "TIME", visible_alias = "until")]
     t_end: Option<f64>,
+    /// Go on from the end of another run: its end.json, or the folder with it
+    ///
+    /// System and options are those of that run, and the end is later. Orbit, transitions and end
+    /// are those of a single run, bit for bit.
+    #[arg(long, value_name = "PATH", conflicts_with_all = ["start", "t_start"])]
+    resume: Option<PathBuf>,
     /// Draw no figures
     #[arg(long)]
     no_figures: bool,
@@ -32,12 +41,29 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
+    let Some(path) = &arguments.resume else {
+        return arguments
+            .run
+            .with_report(|prepared| followed(prepared, arguments, None));
+    };
+    let (system, options) = (arguments.run.system()?, arguments.run.solver.options()?);
+    let memory = End::read(path, &system, &options)?;
+    let prepared = PreparedRun {
+        system,
+        options,
+        t: memory.t(),
+        x: memory.x().iter().copied().collect(),
+    };
     arguments
         .run
-        .with_report(|prepared| followed(prepared, arguments))
+        .with_report_of(&prepared, |prepared| followed(prepared, arguments, Some(memory)))
 }
 
-fn followed(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failure> {
+fn followed(
+    prepared: &PreparedRun,
+    arguments: &Arguments,
+    from: Option<RunMemory>,
+) -> Result<Report, Failure> {
     let PreparedRun {
         system,
         options,
@@ -51,7 +77,7 @@ fn followed(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Fai
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,
     };
-    let (recording, outcome) = Recording::of(system, (*t, x), t_end, options, wanted);
+    let (mut recording, outcome) = Recording::of(system, (*t, x), t_end, options, wanted, from.as_ref());
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {
@@ -66,6 +92,9 @@ fn followed(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Fai
     let lists = arguments.run.output.json;
     let mut report = report(system, &recording, outcome.ok().as_ref(), lists);
     trajectory::put(system, &recording, &mut report)?;
+    if let Some(memory) = recording.memory.take() {
+        report.table(End::of(system, options, memory).artifact()?);
+    }
     if wanted.steps {
         let steps = Table::new()
             .column("t", |row: &&[f64]| row[0])

@@ -23,6 +23,7 @@ mod plan;
 mod run;
 mod store;
 
+pub(crate) use block::digest;
 pub use error::{BlockError, SweepError};
 pub use merge::{Merged, merge};
 pub use plan::{Definition, Plan, Share};

@@ -49,13 +49,24 @@ pub fn follow(
 ) -> Result<Summary, Error> {
     let x = Vector::from_column_slice(x);
     let mut orbit = system.begin(&Moment { t, x }, t_end, options, sections)?;
+    follow_on(&mut *orbit, watcher)
+}
+
+/// Follows an orbit that has begun to its end, and reports it to `watcher`.
+///
+/// # Errors
+/// Those of [`stickslip::run`].
+pub fn follow_on(
+    orbit: &mut dyn OrbitUnderWay,
+    watcher: &mut Watcher<'_>,
+) -> Result<Summary, Error> {
     let ended = loop {
         let decision = match orbit.step() {
             Ok(OrbitProgress::End(summary)) => return Ok(summary),
             Ok(OrbitProgress::Transition(at)) => changes(at)
                 .into_iter()
-                .try_for_each(|at| watcher(OrbitProgress::Transition(at), &mut *orbit)),
-            Ok(progress) => watcher(progress, &mut *orbit),
+                .try_for_each(|at| watcher(OrbitProgress::Transition(at), orbit)),
+            Ok(progress) => watcher(progress, orbit),
             Err(error) => break Err(error),
         };
         if decision.is_break() {
@@ -70,7 +81,7 @@ pub fn follow(
     };
     // The current phase also ends where a run stops or fails, whatever the watcher returns.
     if let Some(phase) = orbit.phase() {
-        let _ = watcher(OrbitProgress::PhaseEnd(phase), &mut *orbit);
+        let _ = watcher(OrbitProgress::PhaseEnd(phase), orbit);
     }
     ended
 }

@@ -18,6 +18,7 @@ mod public_cases;
 mod random_hybrid;
 mod recorded;
 mod references;
+mod resume;
 mod run;
 mod side_by_side;
 mod sizes;

@@ -8,7 +8,8 @@ use super::section::TypedFunctions;
 use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, Switched,
+    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, SearchMemory,
+    Switched,
     TIME_ROUNDING, Transition, TransitionKind,
 };
 use crate::ode::Timed;
@@ -58,12 +59,46 @@ pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const 
     is_prescribed: bool,
 }
 
+/// The search for jumps and kinks between two steps.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct JumpMemory {
+    search: SearchMemory,
+    counts: Vec<u64>,
+    last_kink: Option<f64>,
+    kinks: u64,
+    has_jumped: bool,
+}
+
 impl<'a, S, V, J, const N: usize, const G: usize> JumpSearch<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
     V: EventFunctions<N>,
     J: Jumps<N>,
 {
+    /// The search between two steps.
+    pub(super) fn memory(&self) -> JumpMemory {
+        JumpMemory {
+            search: self.search.memory(),
+            counts: self.counts.clone(),
+            last_kink: Some(self.last_kink).filter(|t| t.is_finite()),
+            kinks: self.kinks,
+            has_jumped: self.has_jumped,
+        }
+    }
+
+    /// Goes on as the search of a memory. Returns whether it is one of the same jumps.
+    pub(super) fn restore(&mut self, memory: &JumpMemory) -> bool {
+        self.due.clear();
+        (self.kinks, self.has_jumped) = (memory.kinks, memory.has_jumped);
+        self.last_kink = memory.last_kink.unwrap_or(f64::NEG_INFINITY);
+        let is_same = memory.counts.len() == self.counts.len();
+        if is_same {
+            self.counts.clone_from(&memory.counts);
+        }
+        is_same && self.search.restore(&memory.search)
+    }
+
     /// The jumps of a run that has not begun; `None` if the system has none.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ mod flow;
 mod interrupt;
 mod jump_search;
 mod jumps;
+mod memory;
 mod modes;
 mod run;
 mod section;
@@ -27,6 +28,7 @@ pub use batch::Listener;
 pub(crate) use flow::TANGENT_ERROR;
 pub use interrupt::Interrupt;
 pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
+pub use memory::RunMemory;
 pub use modes::Modes;
 pub(crate) use run::observed;
 pub use section::NoSection;
@@ -205,6 +207,19 @@ pub trait Dynamics: Send + Sync {
         sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
+    /// Goes on from the end of another run of the same system with the same options; the end is
+    /// later. Orbit, events and end are those of a single run, bit for bit.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::new`]; [`Error::Memory`] for a run of another system.
+    fn resume<'a>(
+        &'a self,
+        from: &RunMemory,
+        t_end: f64,
+        options: &Options,
+        sections: &[Section],
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
+
     /// Follows the orbit from each start, as [`Dynamics::begin`] begins it, and reports it to the
     /// listener. Items of one orbit come in order, between those of others. An orbit is at an end
     /// when the listener breaks. Returns the error of each orbit that cannot begin.
@@ -284,6 +299,13 @@ pub trait OrbitUnderWay {
 
     /// Reports the passages of these sections alone from here on, each by its index.
     fn watch(&mut self, sections: &[Section]);
+
+    /// Keeps what another run needs to go on from the end of this one.
+    fn remember(&mut self);
+
+    /// What another run needs to go on from the end of this one: after [`OrbitUnderWay::remember`]
+    /// before the first step, if this run has reached its end time.
+    fn memory(&self) -> Option<RunMemory>;
 
     /// Present time.
     fn t(&self) -> f64;

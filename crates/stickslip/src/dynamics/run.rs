@@ -2,14 +2,18 @@
 
 use std::collections::VecDeque;
 
-use super::jump_search::JumpSearch;
+use super::jump_search::{JumpMemory, JumpSearch};
 use super::jumps::{Jumps, NoJumps};
+use super::memory::Repeated;
 use super::section::{NoSection, TypedFunctions};
 use super::view::View;
-use super::{Modes, Moment, OrbitProgress, OrbitUnderWay, Phase, Section, Solution, Step, Vector};
+use super::{
+    Modes, Moment, OrbitProgress, OrbitUnderWay, Phase, RunMemory, Section, Solution, Step, Vector,
+};
 use crate::error::{Error, Point};
 use crate::filippov::{
-    EventFunctions, EventSearch, Integration, Observer, Options, Progress, Stepper, Switched,
+    EventFunctions, EventSearch, Integration, Observer, Options, Progress, StepMemory, Stepper,
+    Switched,
     notify,
 };
 use crate::orbit::Counters;
@@ -62,6 +66,38 @@ where
         Ok(Box::new(self.run(integration, t_end, options)?))
     }
 
+    pub(super) fn resume(
+        self,
+        from: &RunMemory,
+        t_end: f64,
+        options: &Options,
+        sections: &[Section],
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let of_another_system = || Error::Memory { t: from.t };
+        if from.x.len() != self.states {
+            return Err(of_another_system());
+        }
+        let integration =
+            Integration::resumed(self.system, &from.step, self.states, t_end, options)
+                .ok_or_else(of_another_system)?;
+        let mut run = self.run(integration, t_end, options)?;
+        let is_same = match (&mut run.jump_search, &from.jumps) {
+            (Some(search), Some(memory)) => search.restore(memory),
+            (None, _) => true,
+            (Some(_), None) => self.jumps.count() == 0,
+        };
+        if !is_same {
+            return Err(of_another_system());
+        }
+        run.watch(sections);
+        run.repeated = Some(Repeated {
+            t: from.t,
+            x: from.x.clone(),
+            items: from.items,
+        });
+        Ok(Box::new(run))
+    }
+
     fn run(
         self,
         integration: Result<Integration<'a, S, N, G>, Error>,
@@ -81,6 +117,10 @@ where
             reported: 0,
             observer: None,
             unobserved: None,
+            t_end,
+            remembered: None,
+            items: 0,
+            repeated: None,
         })
     }
 }
@@ -125,6 +165,15 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
     /// Items that the observer has not received yet.
     unobserved: Option<Progress<N, S::Mode>>,
+    /// End of the run.
+    t_end: f64,
+    /// The run before the first step that its end shortens, and the number of items reported since,
+    /// up to the last transition.
+    remembered: Option<(StepMemory, Option<JumpMemory>, usize)>,
+    /// Number of items reported since.
+    items: usize,
+    /// What is not reported again.
+    repeated: Option<Repeated>,
 }
 
 impl<'a, S, V, J, const N: usize, const G: usize> Run<'a, S, V, J, N, G>
@@ -145,6 +194,48 @@ where
     /// Takes the step that was prepared, if there is one, or continues until the next one is
     /// prepared. Returns what is to be reported, or `None` if a step was prepared.
     pub(super) fn go_on(&mut self) -> Option<Result<OrbitProgress, Error>> {
+        let happened = self.go_on_from_start()?;
+        Some(match happened {
+            Ok(progress) => Ok(self.counted(progress)?),
+            Err(error) => Err(error),
+        })
+    }
+
+    /// Counts what is reported. Returns what the run before a resumed one has not reported.
+    fn counted(&mut self, mut progress: OrbitProgress) -> Option<OrbitProgress> {
+        let is_change = matches!(
+            progress,
+            OrbitProgress::Transition(_) | OrbitProgress::Kink(_)
+        );
+        let is_item = is_change || matches!(progress, OrbitProgress::PhaseEnd(_));
+        if let Some((.., items)) = &mut self.remembered {
+            self.items += usize::from(is_item);
+            if is_change {
+                *items = self.items;
+            }
+        }
+        let Some(repeated) = &mut self.repeated else {
+            return Some(progress);
+        };
+        // The run before has reported the part before its end.
+        if let OrbitProgress::PhaseEnd(phase) = &mut progress
+            && phase.t_start < repeated.t
+        {
+            (phase.t_start, phase.x_start) = (repeated.t, repeated.x.clone());
+        }
+        let is_new = match &progress {
+            OrbitProgress::Step => self.integration.t() > repeated.t,
+            OrbitProgress::Passage(at) => at.t > repeated.t,
+            OrbitProgress::End(_) => true,
+            _ => repeated.items == 0,
+        };
+        if is_item && !is_new {
+            repeated.items -= 1;
+        }
+        is_new.then_some(progress)
+    }
+
+    fn go_on_from_start(&mut self) -> Option<Result<OrbitProgress, Error>> {
         let happened = match self.view.interrupt {
             Some(interrupt) if interrupt.is_raised() => Err(Error::Interrupted {
                 t: self.integration.t(),
@@ -167,7 +258,12 @@ where
         {
             return Ok(Some(progress));
         }
-        let Some(progress) = self.integration.go_on()? else {
+        let progress = self.integration.go_on()?;
+        if self.integration.is_before_end() {
+            let jumps = self.jump_search.as_ref().map(JumpSearch::memory);
+            self.remembered = Some((self.integration.memory(), jumps, 0));
+        }
+        let Some(progress) = progress else {
             return Ok(None);
         };
         self.unobserved = self.observer.is_some().then_some(progress);
@@ -285,6 +381,21 @@ where
         self.search = (!sections.is_empty()).then(search);
     }
 
+    fn remember(&mut self) {
+        self.integration.wait_before(self.t_end);
+    }
+
+    fn memory(&self) -> Option<RunMemory> {
+        let (step, jumps, items) = self.remembered.as_ref()?;
+        (self.integration.has_ended() && self.integration.t() == self.t_end).then(|| RunMemory {
+            t: self.t_end,
+            x: self.view.vector(self.integration.x()),
+            items: *items,
+            step: step.clone(),
+            jumps: jumps.clone(),
+        })
+    }
+
     fn t(&self) -> f64 {
         self.integration.t()
     }
@@ -308,13 +419,20 @@ where
 
     fn last_step(&mut self) -> Step {
         let step = self.integration.last_step();
-        Step {
+        let mut step = Step {
             mode: self.view.modes(step.mode),
             t_start: step.t_start,
             t_end: step.t_end,
             x_start: self.view.vector(&step.x_start),
             x_end: self.view.vector(&step.x_end),
+        };
+        // The run before has reported the part before its end.
+        if let Some(repeated) = self.repeated.as_ref()
+            && step.t_start < repeated.t
+        {
+            (step.t_start, step.x_start) = (repeated.t, repeated.x.clone());
         }
+        step
     }
 
     fn solution(&mut self) -> Solution {

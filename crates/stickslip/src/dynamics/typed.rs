@@ -12,7 +12,7 @@ use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
 use super::view::View;
 use super::{
-    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, Section, SmoothFlow, Step,
+    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow, Step,
     Transition, Vector,
 };
 use crate::error::Error;
@@ -117,6 +117,16 @@ where
         sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         self.view().begin(start, t_end, options, sections)
+    }
+
+    fn resume<'a>(
+        &'a self,
+        from: &RunMemory,
+        t_end: f64,
+        options: &Options,
+        sections: &[Section],
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        self.view().resume(from, t_end, options, sections)
     }
 
     fn follow_all(

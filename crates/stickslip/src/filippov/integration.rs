@@ -69,6 +69,10 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) due: Due,
     /// Whether the next step is prepared.
     is_ready: bool,
+    /// Whether the next step is the first that the end of the run shortens.
+    pub(super) is_before_end: bool,
+    /// Whether it goes on from another run.
+    pub(super) is_resumed: bool,
     /// Number of contacts that the system has; jumps are numbered after them.
     pub(super) contacts: usize,
     /// Whether inputs move the state at times that the run ends at in between.
@@ -153,9 +157,24 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
+        let mut begun = Self::new_in(system, (mode, inside), start, t_end, options)?;
+        begun.run.is_prescribed = true;
+        Ok(begun)
+    }
+
+    /// An integration that begins in a mode, with contact lost or kept as at `inside`.
+    ///
+    /// # Errors
+    /// Those of [`Integration::new`].
+    pub(super) fn new_in(
+        system: &'a S,
+        (mode, inside): (S::Mode, &Timed<N>),
+        start: (Timed<N>, usize),
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Self, Error> {
         system.check(&start.0, t_end, options)?;
-        let mut run = StepState::new(start, t_end, options)?;
-        run.is_prescribed = true;
+        let run = StepState::new(start, t_end, options)?;
         let stepper = Stepper::new(options);
         Ok(Self::begun(system, run, stepper, (mode, inside)))
     }
@@ -179,6 +198,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             recordings: Recordings::default(),
             due: Due::Begin,
             is_ready: false,
+            is_before_end: false,
+            is_resumed: false,
             contacts: S::CONTACTS,
             has_inputs: false,
             is_stopping: false,
@@ -275,6 +296,10 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     fn advance(&mut self) -> Result<bool, Error> {
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
+            Ok(Trial::BeforeEnd) => {
+                self.is_before_end = true;
+                return Ok(false);
+            }
             Ok(Trial::Step) => Due::AfterStep,
             Ok(Trial::Event) => Due::Event,
             Err(error) => {

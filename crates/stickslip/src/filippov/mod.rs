@@ -11,6 +11,7 @@ mod flow;
 mod guard;
 mod integration;
 mod locate;
+mod memory;
 mod observer;
 mod one_contact;
 mod options;
@@ -36,6 +37,7 @@ pub use ensemble::{Start, ensemble};
 pub(crate) use flow::{Flow, gradient, seeded};
 pub use flow::{boundary_gradient, normal_component};
 pub use integration::{Integration, Progress};
+pub(crate) use memory::StepMemory;
 pub use observer::{
     Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
 };
@@ -44,6 +46,7 @@ pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
 pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
+pub(crate) use sections::SearchMemory;
 pub use sections::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, OrbitWithEvents, Plane, Strobe,
     Watched, WatchedProgress, solve_with_events,

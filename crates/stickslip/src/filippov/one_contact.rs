@@ -48,6 +48,10 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
+    fn restored_branch(contact: f64) -> f64 {
+        contact
+    }
+
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: Mode, contact: f64, user: U) -> U::Output {
         user.use_flow(&OneContactFlow {

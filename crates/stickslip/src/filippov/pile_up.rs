@@ -6,8 +6,10 @@
 
 use std::ops::Range;
 
+use super::memory::state;
 use super::options::Options;
 use super::run::{StepState, TIME_ROUNDING};
+use crate::dynamics::{Modes, Vector};
 use crate::error::{Accumulation, Error, Point};
 use crate::ode::Timed;
 use crate::system::{Mode, State};
@@ -127,7 +129,80 @@ pub struct PileUpDetector<const N: usize, K> {
     last: [PastTransition<N, K>; HISTORY],
 }
 
+/// A detector between two steps.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct PileUpMemory {
+    /// Start of the burst, if there is one, and its number of events.
+    burst: (Option<f64>, usize),
+    extent: f64,
+    has_moved: bool,
+    unresolved: (usize, bool),
+    count: usize,
+    /// Time, state, contact, modes and extent of the last transitions, the oldest first; of the
+    /// start if there was none.
+    last: Vec<(f64, Vector, usize, Modes, f64)>,
+}
+
 impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
+    /// The detector between two steps.
+    pub(crate) fn memory(&self) -> PileUpMemory {
+        let past = |back: usize| {
+            let PastTransition {
+                at,
+                contact,
+                to,
+                extent,
+            } = self.nth_last(back);
+            let x = Vector::from_column_slice(at.x.as_slice());
+            (at.t, x, *contact, Modes::new((self.modes)(to)), *extent)
+        };
+        PileUpMemory {
+            burst: (
+                Some(self.burst.since).filter(|t| t.is_finite()),
+                self.burst.count,
+            ),
+            extent: self.extent,
+            has_moved: self.has_moved,
+            unresolved: (self.unresolved, self.is_driven),
+            count: self.count,
+            last: (0..self.recorded().max(1)).rev().map(past).collect(),
+        }
+    }
+
+    /// The detector of a memory; `None` if it is of another system.
+    pub(crate) fn restored(
+        memory: &PileUpMemory,
+        restored: fn(Modes) -> K,
+        modes: fn(&K) -> &[Mode],
+    ) -> Option<Self> {
+        let past = |(t, x, contact, to, extent): &(f64, Vector, usize, Modes, f64)| {
+            Some(PastTransition {
+                at: Timed {
+                    t: *t,
+                    x: state(x)?,
+                },
+                contact: *contact,
+                to: restored(*to),
+                extent: *extent,
+            })
+        };
+        let last: Vec<_> = memory.last.iter().map(past).collect::<Option<_>>()?;
+        let newest = last.last().filter(|_| last.len() <= HISTORY)?;
+        let mut detector = PileUpDetector::new(&newest.at, newest.to, modes);
+        for (back, past) in last.iter().rev().enumerate() {
+            detector.last[(memory.count + HISTORY - 1 - back) % HISTORY] = *past;
+        }
+        detector.burst = Burst {
+            since: memory.burst.0.unwrap_or(f64::NEG_INFINITY),
+            count: memory.burst.1,
+        };
+        (detector.extent, detector.has_moved) = (memory.extent, memory.has_moved);
+        (detector.unresolved, detector.is_driven) = memory.unresolved;
+        detector.count = memory.count;
+        Some(detector)
+    }
+
     /// A detector before any transition; `at` and `mode` are placeholders.
     pub(crate) fn new(at: &Timed<N>, mode: K, modes: fn(&K) -> &[Mode]) -> Self {
         let nowhere = PastTransition {

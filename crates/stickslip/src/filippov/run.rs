@@ -60,6 +60,9 @@ pub struct StepState<const N: usize, const G: usize> {
     pub event: Option<Event<N>>,
     /// Whether the mode is prescribed and ignores its guards.
     pub is_prescribed: bool,
+    /// The end time of the run before which it waits once, ahead of the first step that the end
+    /// shortens.
+    pub waits_before: Option<f64>,
 }
 
 /// Result of an attempt to step.
@@ -67,6 +70,8 @@ pub struct StepState<const N: usize, const G: usize> {
 pub enum Trial {
     /// Only prepared, or rejected: another attempt follows.
     NoStep,
+    /// The next step is the first that the end of the run shortens. The same attempt follows.
+    BeforeEnd,
     /// A step was taken, the run's last one now.
     Step,
     /// A step was taken that ends at an event, the run's last one now.
@@ -98,6 +103,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
             wants_dense: true,
             event: None,
             is_prescribed: false,
+            waits_before: None,
         };
         run.check_escape()?;
         Ok(run)
@@ -165,6 +171,16 @@ impl<const N: usize, const G: usize> StepState<N, G> {
         } else {
             (h, false)
         }
+    }
+
+    /// Whether a run waits before a step that ends at the end time. Asked again, it does not.
+    #[inline(always)]
+    pub(crate) fn waits(&mut self) -> bool {
+        let waits = self.waits_before.is_some_and(|end| end <= self.t_end);
+        if waits {
+            self.waits_before = None;
+        }
+        waits
     }
 
     /// Whether a step no longer moves the time.

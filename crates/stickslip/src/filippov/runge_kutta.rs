@@ -77,6 +77,9 @@ impl<const N: usize> RungeKuttaStepper<N> {
             run.counters.field_calls += flow.field_calls();
         }
         self.slope = Some(slope);
+        if run.next_step().1 && run.waits() {
+            return Ok(Trial::BeforeEnd);
+        }
         let (h, is_last, allows_longer, mut step) = run.accepted_step::<M, F>(flow, slope)?;
         let t_next = if is_last { run.t_end } else { t + h };
         step.end = flow.settle(t_next, step.end);

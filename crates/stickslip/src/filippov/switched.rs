@@ -34,7 +34,7 @@ pub trait Switched<const N: usize, const G: usize> {
 
     /// Choice of the flow besides the mode.
     #[doc(hidden)]
-    type Branch: Copy + Default + PartialEq + Debug + Send + Sync;
+    type Branch: Copy + Default + PartialEq + Debug + Send + Sync + Into<f64>;
 
     /// Whether the user's functions are interpreted.
     #[doc(hidden)]
@@ -47,6 +47,10 @@ pub trait Switched<const N: usize, const G: usize> {
     /// The branch of a mode at a point.
     #[doc(hidden)]
     fn branch(&self, mode: Self::Mode, at: &Timed<N>) -> Self::Branch;
+
+    /// The branch from its number.
+    #[doc(hidden)]
+    fn restored_branch(number: f64) -> Self::Branch;
 
     /// The branch for the field alone. The field of one contact does not depend on it.
     #[doc(hidden)]

@@ -72,6 +72,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         joint.held().iter().any(is_moved_by_none) || joint.hold_each_other(at)
     }
 
+    fn restored_branch(shared: f64) -> bool {
+        shared != 0.0
+    }
+
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], shared: bool, user: U) -> U::Output {
         user.use_flow(&Joint::new(&self.0, &mode).with_shared_load(shared))

@@ -16,8 +16,9 @@ use crate::system::{State, components};
 
 /// Whether a function stands at a zero. It is compared with the value there, which location and
 /// rounding leave, until it has the sign that it left with.
-#[derive(Clone, Copy, Default)]
-pub(super) enum Standing {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum Standing {
     /// No longer.
     #[default]
     Left,
@@ -76,9 +77,14 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     only_first: bool,
 }
 
+/// A search between two steps: what is known of each function, and the recent size of the state's
+/// components.
+pub(crate) type SearchMemory = (Vec<Known>, Vec<f64>);
+
 /// What the steps so far tell of a function.
-#[derive(Clone, Copy, Default)]
-struct Known {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct Known {
     /// Its last sign; 0 while unknown.
     side: f64,
     standing: Standing,
@@ -207,6 +213,21 @@ where
     S: Switched<N, G>,
     V: EventFunctions<N>,
 {
+    /// The search between two steps.
+    pub(crate) fn memory(&self) -> SearchMemory {
+        (self.known.clone(), self.size.as_slice().to_vec())
+    }
+
+    /// Goes on as the search of a memory. Returns whether it is one of the same functions.
+    pub(crate) fn restore(&mut self, (known, size): &SearchMemory) -> bool {
+        let is_same = known.len() == self.known.len() && size.len() == N;
+        if is_same {
+            self.known.clone_from(known);
+            self.size = State::from_column_slice(size);
+        }
+        is_same
+    }
+
     /// Last sign of a function; 0 while unknown.
     pub(crate) fn side(&self, number: usize) -> f64 {
         self.known[number].side

@@ -286,6 +286,19 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
+    /// What the next step depends on besides the state of the run: its scale, the rounding remainder
+    /// and the length of a tied step.
+    pub(super) fn memory(&self) -> (f64, &Timed<N>, f64) {
+        (self.scale, &self.remainder, self.tie_step)
+    }
+
+    /// Continues between two steps that end at `at`, with [`TaylorStepper::memory`]; without a
+    /// scale it begins a phase.
+    pub(super) fn restore(&mut self, at: &Timed<N>, (scale, remainder, tie): (f64, Timed<N>, f64)) {
+        (self.end, self.remainder, self.tie_step) = (*at, remainder, tie);
+        self.is_new = scale == 0.0;
+    }
+
     /// Prepares the next expansion.
     pub(super) fn prepare<F: Flow<N>>(&mut self, run: &mut StepState<N, G>, flow: &F) {
         if self.is_new {
@@ -318,6 +331,9 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         // too.
         if !self.is_expanded || self.is_clear && !self.holds_at_end(run, flow) {
             self.expand(run, flow, repeated);
+        }
+        if self.is_last && run.waits() {
+            return Ok(Trial::BeforeEnd);
         }
         let (step_series, end) = (&self.step_series, &self.end_of_step);
         let (Timed { t, x }, h, is_last) = (run.at, step_series.h, self.is_last);

@@ -1,0 +1,134 @@
+//! `end.json`: the end of a run, from which another run goes on.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use stickslip::Options;
+use stickslip::dynamics::RunMemory;
+
+use crate::failure::Failure;
+use crate::render::Artifact;
+use crate::sweep::digest;
+use stickslip_model::file::System;
+
+/// Name of the file.
+const END: &str = "end.json";
+
+/// Version of its format.
+const FORMAT: u32 = 1;
+
+/// The end of a run.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct End {
+    format: u32,
+    /// Name of the system, for readers.
+    system: String,
+    t: f64,
+    /// The state, by name.
+    state: BTreeMap<String, f64>,
+    /// What the run depends on besides its start, by name: the hash of the system's text, its
+    /// parameters, the options of the solver.
+    depends_on: BTreeMap<String, String>,
+    memory: RunMemory,
+}
+
+/// What a run of a system depends on besides its start.
+fn depends_on(system: &System, options: &Options) -> BTreeMap<String, String> {
+    let mut parts = BTreeMap::from([
+        ("program".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        (
+            "the text of the system".to_owned(),
+            digest(system.file.source.text.as_bytes()),
+        ),
+        ("--method".to_owned(), format!("{:?}", options.method)),
+        ("--rtol".to_owned(), format!("{:?}", options.rtol)),
+        ("--atol".to_owned(), format!("{:?}", options.atol)),
+        (
+            "--longest-step".to_owned(),
+            format!("{:?}", options.longest_step),
+        ),
+        (
+            "--at-repelling".to_owned(),
+            format!("{:?}", options.at_repelling),
+        ),
+        (
+            "--at-pile-up".to_owned(),
+            format!("{:?}", options.at_pile_up),
+        ),
+    ]);
+    let parameters = system.file.parameters.iter().zip(&system.values);
+    parts.extend(
+        parameters.map(|(parameter, value)| {
+            (format!("parameter `{}`", parameter.name), format!("{value:?}"))
+        }),
+    );
+    parts
+}
+
+impl End {
+    /// The end of a run.
+    pub(super) fn of(system: &System, options: &Options, memory: RunMemory) -> Self {
+        let names = system.file.states.iter().map(|state| state.name.clone());
+        End {
+            format: FORMAT,
+            system: system.file.name.clone(),
+            t: memory.t(),
+            state: names.zip(memory.x().iter().copied()).collect(),
+            depends_on: depends_on(system, options),
+            memory,
+        }
+    }
+
+    /// The file to write.
+    pub(super) fn artifact(&self) -> Result<Artifact, Failure> {
+        let text = serde_json::to_string_pretty(self)
+            .map_err(|error| Failure::Usage(format!("{END} cannot be written: {error}")))?;
+        Ok(Artifact::text(END.to_owned(), text + "\n"))
+    }
+
+    /// Reads the end of a run of the same system with the same options, from the file or the folder
+    /// that holds it.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] with what differs.
+    pub(super) fn read(
+        path: &Path,
+        system: &System,
+        options: &Options,
+    ) -> Result<RunMemory, Failure> {
+        let path: PathBuf = match path.is_dir() {
+            true => path.join(END),
+            false => path.to_owned(),
+        };
+        let at = path.display();
+        let usage = |message: String| Failure::Usage(message);
+        let bytes = std::fs::read(&path).map_err(|error| {
+            usage(format!(
+                "--resume: {at} cannot be read: {error}; `simulate` writes it into the folder of \
+                 --out where a run reaches its end time"
+            ))
+        })?;
+        let end: End = serde_json::from_slice(&bytes)
+            .map_err(|error| usage(format!("--resume: {at} is no end of a run: {error}")))?;
+        if end.format != FORMAT {
+            return Err(usage(format!(
+                "--resume: {at} has format {}, and this program reads {FORMAT}; make the run again",
+                end.format
+            )));
+        }
+        let here = depends_on(system, options);
+        let names = end.depends_on.keys().chain(here.keys());
+        let of = |parts: &BTreeMap<String, String>, name: &String| {
+            parts.get(name).map_or("absent", String::as_str).to_owned()
+        };
+        let mut both = names.map(|name| (name, of(&end.depends_on, name), of(&here, name)));
+        match both.find(|(_, there, here)| there != here) {
+            None => Ok(end.memory),
+            Some((name, there, here)) => Err(usage(format!(
+                "--resume: {at} is the end of another run: {name} is {there} there and {here} here; \
+                 go on with the same, or begin anew with --start"
+            ))),
+        }
+    }
+}
