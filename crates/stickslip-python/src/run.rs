@@ -8,8 +8,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::dynamics::{
-    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step, Summary,
-    Transition, Vector,
+    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step,
+    Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options};
 use stickslip_model::file::System as CompiledSystem;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use output::Artifact;
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
 use stickslip::dynamics::RunMemory;
 
 use crate::failure::Failure;
-use crate::render::Artifact;
 use crate::sweep::digest;
 use stickslip_model::file::System;
 
@@ -58,11 +58,12 @@ fn depends_on(system: &System, options: &Options) -> BTreeMap<String, String> {
         ),
     ]);
     let parameters = system.file.parameters.iter().zip(&system.values);
-    parts.extend(
-        parameters.map(|(parameter, value)| {
-            (format!("parameter `{}`", parameter.name), format!("{value:?}"))
-        }),
-    );
+    parts.extend(parameters.map(|(parameter, value)| {
+        (
+            format!("parameter `{}`", parameter.name),
+            format!("{value:?}"),
+        )
+    }));
     parts
 }
 

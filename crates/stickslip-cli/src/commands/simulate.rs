@@ -54,9 +54,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
         t: memory.t(),
         x: memory.x().iter().copied().collect(),
     };
-    arguments
-        .run
-        .with_report_of(&prepared, |prepared| followed(prepared, arguments, Some(memory)))
+    arguments.run.with_report_of(&prepared, |prepared| {
+        followed(prepared, arguments, Some(memory))
+    })
 }
 
 fn followed(
@@ -77,7 +77,8 @@ fn followed(
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,
     };
-    let (mut recording, outcome) = Recording::of(system, (*t, x), t_end, options, wanted, from.as_ref());
+    let (mut recording, outcome) =
+        Recording::of(system, (*t, x), t_end, options, wanted, from.as_ref());
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {

@@ -81,7 +81,10 @@ fn same_in_pieces(text: &str, until: f64, options: &Options, draw: &mut SplitMix
     assert_eq!(kinds(&changes), kinds(&whole.changes), "{what}");
     for (one, other) in changes.iter().zip(&whole.changes) {
         let size = one.2.abs().max(1.0);
-        assert!((one.2 - other.2).abs() <= 1e-11 * size, "{what}: {one:?}, {other:?}");
+        assert!(
+            (one.2 - other.2).abs() <= 1e-11 * size,
+            "{what}: {one:?}, {other:?}"
+        );
     }
 }
 

@@ -9,8 +9,7 @@ use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
     Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, SearchMemory,
-    Switched,
-    TIME_ROUNDING, Transition, TransitionKind,
+    Switched, TIME_ROUNDING, Transition, TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;

@@ -13,8 +13,7 @@ use super::{
 use crate::error::{Error, Point};
 use crate::filippov::{
     EventFunctions, EventSearch, Integration, Observer, Options, Progress, StepMemory, Stepper,
-    Switched,
-    notify,
+    Switched, notify,
 };
 use crate::orbit::Counters;
 

@@ -12,8 +12,8 @@ use super::jumps::{Jumps, NoJumps, Reset};
 use super::section::NoSection;
 use super::view::View;
 use super::{
-    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow, Step,
-    Transition, Vector,
+    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow,
+    Step, Transition, Vector,
 };
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, seeded, side_by_side};
