@@ -102,6 +102,8 @@ struct Recording<'a> {
     doubtful: Vec<String>,
     /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
+    /// Whether times are requested.
+    has_requested: bool,
     /// Requested times that are not yet reached, the next one last.
     requested: Option<Vec<f64>>,
     phases: Vec<Phase>,
@@ -226,6 +228,7 @@ fn solved<'a>(
             None => vec![start.clone()],
             Some(_) => Vec::new(),
         },
+        has_requested: requested.is_some(),
         requested,
         phases: Vec::new(),
         transitions: Vec::new(),
@@ -253,6 +256,19 @@ fn solved<'a>(
         memory = orbit.memory();
         outcome
     });
+    // A jump at the very end leads to another state.
+    if let Ok(end) = &outcome
+        && recording.last.1 != end.x
+        && end.t == recording.last.0
+    {
+        let last = (end.t, end.x.clone());
+        match recording.points.last_mut() {
+            Some(point) if recording.has_requested && point.0 == end.t => *point = last.clone(),
+            _ if !recording.has_requested => recording.points.push(last.clone()),
+            _ => {}
+        }
+        recording.last = last;
+    }
     let terminal = recording.events.iter().filter_map(Passages::terminal);
     let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
     if let Some(at) = &terminal {

@@ -267,6 +267,14 @@ impl Recording {
             ended
         });
         recording.memory = memory;
+        // A jump at the very end leads to another state.
+        if let Ok(end) = &ended
+            && recording.end.t == end.t
+            && recording.end.x != end.x
+        {
+            recording.row(end.t, end.x.as_slice());
+            recording.end.x.clone_from(&end.x);
+        }
         recording.progress.clear();
         recording.doubtful.extend(friction.warning());
         let below = recording.monitor.below_tolerance(system, &CommandLine);

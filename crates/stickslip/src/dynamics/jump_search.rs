@@ -19,8 +19,8 @@ use crate::system::{State, components};
 #[derive(Clone, Copy)]
 struct Due {
     number: usize,
-    /// Whether a step was cut at the zero of its function, which location leaves inexact.
-    is_located: bool,
+    /// What location leaves of the zero of its function, at which a step was cut.
+    left: f64,
     /// Whether its function came back before it had left its last zero.
     is_unresolved: bool,
 }
@@ -30,7 +30,7 @@ impl Due {
     fn at_once(number: usize) -> Self {
         Due {
             number,
-            is_located: false,
+            left: 0.0,
             is_unresolved: false,
         }
     }
@@ -160,13 +160,11 @@ where
                 search.set_side(number, sign);
                 continue;
             }
-            let rate = search.sign_of_rate(number, &at, &velocity);
-            let way = if rate > 0.0 {
-                Direction::Rising
-            } else {
-                Direction::Falling
+            let rate = match search.sign_of_rate(number, &at, &velocity) {
+                0.0 => search.sign_of_departure(number, integration),
+                rate => rate,
             };
-            if rate != 0.0 && self.jumps.direction(number).includes(way) {
+            if goes(self.jumps, number, rate) {
                 self.due.push_back(Due::at_once(number));
             } else {
                 search.stand_at_zero(number, 0.0, rate);
@@ -174,6 +172,11 @@ where
         }
         // A phase of zero length lies before it.
         self.has_jumped = self.is_due();
+    }
+
+    /// Whether a jump's function goes in its direction with this sign.
+    fn goes(&self, number: usize, sign: f64) -> bool {
+        goes(self.jumps, number, sign)
     }
 
     /// Whether the functions of all jumps are defined.
@@ -218,16 +221,17 @@ where
         due.sort_unstable();
         self.due.extend(due.iter().map(|&number| Due {
             number,
-            is_located: true,
+            left: self.jumps.when(number, t, components(&x)).abs(),
             is_unresolved: self.search.stands_at_zero(number),
         }));
         self.search.cut(&step.x_start, &x);
+        let distance = integration.distance_to_settle();
         for number in (0..self.counts.len()).filter(|number| !due.contains(number)) {
-            if self.search.stands_at_zero(number) {
-                continue;
-            }
-            // It may have passed in the other direction since the step began.
-            let side = self.search.sign_at(number, &Timed { t, x });
+            // It may have passed in the other direction since the step began, or left its zero.
+            let left = self.search.left_of_zero(number);
+            let side = self
+                .search
+                .sign_beyond(number, (left, distance), &Timed { t, x });
             if side != 0.0 {
                 self.search.set_side(number, side);
             }
@@ -292,8 +296,7 @@ where
             integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
-            let left = if due.is_located { residual } else { 0.0 };
-            self.leave_zero(number, left, integration);
+            self.leave_zero(number, due.left, integration);
             self.detect_jumps(integration, [&before, &after], Some(number));
         }
         Ok(Some(Transition {
@@ -378,12 +381,18 @@ where
             if Some(number) == but || self.due.iter().any(|due| due.number == number) {
                 continue;
             }
-            let search = &mut self.search;
-            if search.stands_at_zero(number) {
-                let left = search.left_of_zero(number);
+            if self.search.stands_at_zero(number) {
+                let (left, side) = (self.search.left_of_zero(number), self.search.side(number));
                 self.leave_zero(number, left, integration);
+                // As at a start, one that goes in its direction from now on is due.
+                let now = self.search.side(number);
+                let turns = self.search.stands_at_zero(number) && now != side;
+                if turns && self.goes(number, now) {
+                    self.due.push_back(Due::at_once(number));
+                }
                 continue;
             }
+            let search = &mut self.search;
             let at = |x: &State<N>| search.sign_at(number, &Timed { t, x: *x });
             let (side, now) = (search.side(number), at(after));
             let side = if side == 0.0 { at(before) } else { side };
@@ -392,14 +401,18 @@ where
                 continue;
             }
             search.set_side(number, now);
-            let way = if now > 0.0 {
-                Direction::Rising
-            } else {
-                Direction::Falling
-            };
-            if side * now < 0.0 && self.jumps.direction(number).includes(way) {
+            if side * now < 0.0 && self.goes(number, now) {
                 self.due.push_back(Due::at_once(number));
             }
         }
     }
+}
+
+/// Whether the function of a jump goes in the jump's direction with this sign.
+fn goes<J: Jumps<N>, const N: usize>(jumps: &J, number: usize, sign: f64) -> bool {
+    let way = match sign > 0.0 {
+        true => Direction::Rising,
+        false => Direction::Falling,
+    };
+    sign != 0.0 && jumps.direction(number).includes(way)
 }

@@ -3,7 +3,7 @@
 
 use super::integration::{Due, Integration};
 use super::observer::Transition;
-use super::switched::{Next, Switched, Velocity};
+use super::switched::{Next, Switched, UseFlow, Velocity};
 use super::taylor::MAX_GROWTH;
 use crate::error::Error;
 use crate::ode::Timed;
@@ -132,11 +132,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         Ok(Some(self.change_of(contact, from, 0.0)))
     }
 
+    /// Work with the flow of the present mode.
+    pub(crate) fn with_flow<U: UseFlow<N>>(&self, work: U) -> U::Output {
+        self.system.with_flow(self.mode, self.branch, work)
+    }
+
     /// The velocity at the present state.
     pub(crate) fn velocity(&self) -> State<N> {
         let Timed { t, x } = self.run.at;
         let velocity = Velocity(t, components(&x));
-        State::from(self.system.with_flow(self.mode, self.branch, velocity))
+        State::from(self.with_flow(velocity))
     }
 
     /// How far the state may move where the next step begins: onto the manifold of a stick.

@@ -5,11 +5,12 @@ use std::ops::ControlFlow;
 use super::crossings::Crossings;
 use super::over_step::{OverStep, SampledStep};
 use super::{EventFunctions, EventRecord};
-use crate::filippov::flow::GUARDS;
-use crate::filippov::flow::gradient;
+use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
+use crate::filippov::integration::Integration;
 use crate::filippov::observer::StepRecord;
 use crate::filippov::options::{Method, Options};
-use crate::filippov::switched::Switched;
+use crate::filippov::rules::LieDerivatives;
+use crate::filippov::switched::{Switched, UseFlow};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::Timed;
 use crate::system::{State, components};
@@ -199,6 +200,25 @@ where
     }
 }
 
+/// The sign with which an event function leaves zero along a flow.
+struct Departing<'a, V, const N: usize> {
+    events: &'a V,
+    number: usize,
+    at: Timed<N>,
+}
+
+impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
+    type Output = f64;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+        let [lie] = LieDerivatives::along(self.at.t, &self.at.x, 0.0, |t, x| {
+            let path = flow_path(t, x, |t, x| flow.field(t, x));
+            [self.events.value(self.number, path.0, &path.1)]
+        });
+        lie.leading(false).1
+    }
+}
+
 /// The sign of a sum of parts of this size, beyond rounding.
 fn clear_sign(value: f64, size: f64) -> f64 {
     if value.abs() > STATE_ROUNDING * size {
@@ -267,6 +287,23 @@ where
         let (slopes, in_time) = self.slopes(number, at);
         let size = slopes.abs().dot(&velocity.abs()) + in_time.abs();
         clear_sign(slopes.dot(velocity) + in_time, size)
+    }
+
+    /// The sign of a function that is at zero, as soon as the motion has left the present state; 0
+    /// where the first three derivatives vanish.
+    pub(crate) fn sign_of_departure(
+        &self,
+        number: usize,
+        integration: &Integration<'_, S, N, G>,
+    ) -> f64 {
+        integration.with_flow(Departing {
+            events: &self.events,
+            number,
+            at: Timed {
+                t: integration.t(),
+                x: *integration.x(),
+            },
+        })
     }
 
     /// Whether one of the first `states` components moves a function.
