@@ -75,7 +75,10 @@ fn algebra(ledger: &Ledger) -> String {
         let of = |one: &&Entry| one.claim.group == group;
         let holds = |one: &&Entry| of(one) && one.verdict == Verdict::Reproduced;
         let entries = || ledger.entries.iter();
-        [entries().filter(holds).count(), entries().filter(of).count()]
+        [
+            entries().filter(holds).count(),
+            entries().filter(of).count(),
+        ]
     };
     let [[holding, all], [alike, printed]] = [Group::Algebra, Group::Print].map(of);
     let computed = ledger.with(Verdict::Reproduced) - holding - alike;

@@ -77,7 +77,10 @@ impl Statements {
             (S2InnerPoints, belt::inner_points()?),
             (Fig04NoStick, belt::no_stick(&computed.fig04.cycle)?),
             (S3Order, procedure::order_of_steps()),
-            (S4ListingParameters, procedure::listing_parameters(&Setup::default(), &model)),
+            (
+                S4ListingParameters,
+                procedure::listing_parameters(&Setup::default(), &model),
+            ),
             (S5OneRig, procedure::one_rig(&Caption::ALL)),
             (Fig12Ratio, ratio(claims, &computed.bracket[2])),
             (

@@ -173,6 +173,9 @@ mod tests {
         other.model.omega = 3.0 * PI / 2.0 / 1.2365;
         assert!(!agrees(other));
         let window_start = printed.window_start + 0.1;
-        assert!(!agrees(Setup { window_start, ..printed }));
+        assert!(!agrees(Setup {
+            window_start,
+            ..printed
+        }));
     }
 }
