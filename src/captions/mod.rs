@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE};
 use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
-use crate::paper::models::{BlockAndBracket, Caption, Reading};
+use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 use numerics::SplitMix;
 use std::ops::ControlFlow;
 use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
@@ -158,7 +158,7 @@ pub fn caption_spectrum(figure: usize, variant: CaptionVariant) -> Result<Captio
     let FigureSet { caption, .. } = SETS[figure];
     let numbers = variant.numbers(figure);
     let caption = Caption { numbers, ..caption };
-    let model = BlockAndBracket::from_caption(&caption, &Reading::exact())?;
+    let model = BlockAndBracket::from_caption(&caption, &Interpretation::exact())?;
     let settings = SpectrumOptions::over(TRANSIENT, DURATION).solver(variant.solver());
     let mut section = SectionPoints(TurningPoints::new(&model, &settings.solver));
     let start = (0.0, State::from(caption.start));

@@ -130,6 +130,9 @@
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
 //! it in a [`Failure`].
 
+// Of this workspace only this crate is published.
+#![warn(missing_docs)]
+
 pub mod analysis;
 mod contact_fault;
 mod dual;

@@ -251,7 +251,7 @@ fn class_over_captions(table: &CaptionTable, figure: usize) -> String {
     }
 }
 
-/// What the ranges over the captions are and are not, a line each.
+/// Meaning of the ranges over the captions, a line each.
 fn on_captions(table: &CaptionTable, figure: usize, class: Class) -> Vec<String> {
     let mut lines = vec![format!(
         "Captions: {} draws, each over {} units of *t*.",
