@@ -21,4 +21,5 @@ mod references;
 mod run;
 mod side_by_side;
 mod sizes;
+mod special_orbits;
 mod tape;
