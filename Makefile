@@ -34,7 +34,7 @@ TESTED := --locked --workspace --exclude stickslip-python
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test $(TESTED)
 
-golden: ## Rewrite golden/, figures/, report/ and README's verdicts on purpose
+golden: ## Rewrite golden/, figures/, report/, README's verdicts on purpose; not what takes a search or peers
 	$(MAKE) figures report diagrams
 	INSTA_UPDATE=always $(CARGO) test $(TESTED)
 

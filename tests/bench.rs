@@ -2,7 +2,7 @@
 //! and the committed figure of all solvers.
 
 use replication::paper::models::{
-    BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading,
+    BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Interpretation,
 };
 use stickslip::{Method, Options};
 
@@ -125,7 +125,7 @@ fn the_parameters_are_those_of_the_paper() {
         Problem::named("forced").unwrap().t_end,
         100.0 * forced.period()
     );
-    let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+    let bracket = BlockAndBracket::from_caption(&Caption::FIG11, &Interpretation::exact()).unwrap();
     assert_eq!(system("bracket"), System::Bracket(bracket));
     let belt = BeltOscillator {
         belt_speed: 0.4,

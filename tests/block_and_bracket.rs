@@ -6,7 +6,7 @@ use std::fmt::Write;
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use replication::paper::models::{
-    Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
+    Amplitude, BlockAndBracket, Caption, CaptionOrder, Interpretation, Rig, Unloading,
 };
 use stickslip::{Error, Fate, Filippov, Options, Side, State, fate, run, solve};
 
@@ -15,7 +15,7 @@ fn rig() -> Rig {
 }
 
 fn exact(caption: &Caption) -> BlockAndBracket {
-    BlockAndBracket::from_caption(caption, &Reading::exact()).unwrap()
+    BlockAndBracket::from_caption(caption, &Interpretation::exact()).unwrap()
 }
 
 /// From the nondimensional state to metres and metres per second.
@@ -88,7 +88,8 @@ fn the_unloading_follows_from_the_stiffness() {
 #[test]
 fn readings_are_data() {
     let [.., delta, speed] = Caption::FIG12.numbers;
-    let literal = BlockAndBracket::from_caption(&Caption::FIG12, &Reading::as_printed()).unwrap();
+    let literal =
+        BlockAndBracket::from_caption(&Caption::FIG12, &Interpretation::as_printed()).unwrap();
     assert_eq!(
         (literal.displacement_sign, literal.friction_sign),
         (-1.0, -1.0)
@@ -99,13 +100,14 @@ fn readings_are_data() {
     );
     assert_eq!((literal.delta, literal.belt_speed), (delta, speed));
     let scaled =
-        BlockAndBracket::from_caption(&Caption::FIG12, &Reading::scaled_by_friction()).unwrap();
+        BlockAndBracket::from_caption(&Caption::FIG12, &Interpretation::scaled_by_friction())
+            .unwrap();
     assert_eq!((scaled.mu0, scaled.unloading), (1.0, 6.766));
-    let heading = Reading {
+    let heading = Interpretation {
         order: CaptionOrder::Heading { mu0: 0.5 },
         unloading: Unloading::OverMu0,
         amplitude: Amplitude::Mu0,
-        ..Reading::exact()
+        ..Interpretation::exact()
     };
     let heading = BlockAndBracket::from_caption(&Caption::FIG12, &heading).unwrap();
     assert_eq!((heading.unloading, heading.unloading_rate), (5.8, 13.532));
@@ -124,15 +126,15 @@ fn bad_parameters_are_named() {
     };
     let mut caption = Caption::FIG10;
     caption.numbers[7] = -0.1;
-    let error = BlockAndBracket::from_caption(&caption, &Reading::exact()).unwrap_err();
+    let error = BlockAndBracket::from_caption(&caption, &Interpretation::exact()).unwrap_err();
     assert_eq!(name(error), "delta");
     caption = Caption::FIG10;
     caption.numbers[5] = 0.0;
-    let error = BlockAndBracket::from_caption(&caption, &Reading::exact()).unwrap_err();
+    let error = BlockAndBracket::from_caption(&caption, &Interpretation::exact()).unwrap_err();
     assert_eq!(name(error), "mu0");
-    let half = Reading {
+    let half = Interpretation {
         friction_sign: 0.5,
-        ..Reading::exact()
+        ..Interpretation::exact()
     };
     let error = BlockAndBracket::from_caption(&Caption::FIG10, &half).unwrap_err();
     assert_eq!(name(error), "friction_sign");
@@ -144,9 +146,9 @@ fn run_to_the_letter_the_first_two_sets_diverge() {
     let options = Options::default().escape(1e3);
     for caption in [Caption::FIG10, Caption::FIG11] {
         for unloading in [Unloading::Plain, Unloading::OverMu0] {
-            let reading = Reading {
+            let reading = Interpretation {
                 unloading,
-                ..Reading::as_printed()
+                ..Interpretation::as_printed()
             };
             let model = BlockAndBracket::from_caption(&caption, &reading).unwrap();
             let start = State::from(caption.start);

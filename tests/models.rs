@@ -4,7 +4,7 @@ use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
-    BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Reading, Rig,
+    BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Interpretation, Rig,
 };
 use stickslip::Visibility;
 use stickslip::system::Unchecked;
@@ -92,13 +92,13 @@ proptest! {
         x in prop::array::uniform4(-3.0..3.0f64)
     ) {
         let caption = Caption::FIG12;
-        let reading = Reading::scaled_by_friction();
+        let reading = Interpretation::scaled_by_friction();
         let scaled = BlockAndBracket::from_caption(&caption, &reading).unwrap();
         let mu0 = caption.numbers[5];
         let mut in_lengths = caption;
         in_lengths.numbers[7] /= mu0;
         in_lengths.numbers[8] *= mu0;
-        let exact = BlockAndBracket::from_caption(&in_lengths, &Reading::exact()).unwrap();
+        let exact = BlockAndBracket::from_caption(&in_lengths, &Interpretation::exact()).unwrap();
         let side = side_of(x[1], scaled.belt_speed);
         let small = scaled.field(side, 0.0, &x);
         let large = exact.field(side, 0.0, &x.map(|v| mu0 * v));
@@ -110,7 +110,8 @@ proptest! {
     #[test]
     fn as_printed_is_equation_27_to_the_letter(x in prop::array::uniform4(-3.0..3.0f64)) {
         let [xi1, xi2, xi3, xi4, xi5, mu0, xi6, delta, speed] = Caption::FIG10.numbers;
-        let model = BlockAndBracket::from_caption(&Caption::FIG10, &Reading::as_printed()).unwrap();
+        let literal = Interpretation::as_printed();
+        let model = BlockAndBracket::from_caption(&Caption::FIG10, &literal).unwrap();
         let [x1, x2, x3, x4] = x;
         let slip = x2 - speed;
         let friction = slip.signum() * (1.0 - xi6 * x3) * mu0 / (1.0 + delta * slip.abs());
@@ -144,7 +145,7 @@ proptest! {
 /// Fig. 11 has ξ6 = μ0 k3/k2 = 0.693 and ξ4 = 1 + k3/k2 = 1.980.
 #[test]
 fn the_numbers_of_a_caption_fit_together() {
-    let model = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+    let model = BlockAndBracket::from_caption(&Caption::FIG11, &Interpretation::exact()).unwrap();
     let ratio = model.bracket_stiffness - 1.0;
     assert_abs_diff_eq!(model.unloading, ratio, epsilon = 1e-3);
 }

@@ -44,7 +44,7 @@ TEST_FLAGS=${TEST_FLAGS:-}
 models=src/paper/models
 mutant $models/belt.rs 'mu0: 3f64.sqrt() / 9.0' 'mu0: 3f64.sqrt() / 9.01' properties::
 mutant $models/forced.rs 'mass: 0.1,' 'mass: 0.101,' properties::
-mutant $models/forced.rs 'omega: 3.0 * PI / 2.4728' 'omega: 3.0 * PI / 2.4729' listing::
+mutant $models/forced.rs 'omega: 3.0 * PI / 2.4728' 'omega: 3.0 * PI / 2.4729' procedure::
 mutant $models/block_and_bracket/reading.rs '1.069, 1.980' '1.069, 1.981' block_and_bracket::short
 mutant $models/block_and_bracket/mod.rs '-x[0] - force * self.coupling' '-x[0] + force * self.coupling' models::
 mutant src/paper/listing/step.rs 'h * 0.166666' 'h * 0.166667' listing::

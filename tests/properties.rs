@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use approx::{assert_abs_diff_eq, assert_relative_eq};
 use replication::figures::block_and_bracket::TOLERANCE;
 use replication::paper::models::{
-    BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Reading,
+    BeltOscillator, BlockAndBracket, Caption, ForcedOscillator, Interpretation,
 };
 use stickslip::{
     Filippov, Mode, Observer, Options, Orbit, Side, State, StepRecord, math, run, solve,
@@ -171,7 +171,7 @@ fn two_neighbouring_orbits_separate_with_the_first_exponent_of_fig_12() {
     const DISTANCE: f64 = 1e-6;
     const EVERY: f64 = 1.0;
     let (from, to) = (3000.0, 12_000.0);
-    let model = BlockAndBracket::from_caption(&Caption::FIG12, &Reading::exact()).unwrap();
+    let model = BlockAndBracket::from_caption(&Caption::FIG12, &Interpretation::exact()).unwrap();
     let options = Options::tol(TOLERANCE);
     let mut orbit = States {
         from,

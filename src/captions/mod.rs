@@ -17,10 +17,10 @@ use rayon::prelude::*;
 use crate::figures::block_and_bracket::{FigureSet, SETS, TOLERANCE};
 use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
-use crate::paper::models::{BlockAndBracket, Caption, Reading};
+use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 use numerics::SplitMix;
 use std::ops::ControlFlow;
-use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Observer, Options, State, StepRecord};
 pub use table::{CaptionTable, ExponentBudget, committed};
 
@@ -35,7 +35,7 @@ const SEED: u64 = 0x2013_0073_0733;
 const TRANSIENT: f64 = 2000.0;
 /// Time measured, a third of the paper's series: enough to see the effect on Figs. 10 and 11. Any
 /// on Fig. 12 is less than the scatter of a chaotic orbit over that time.
-const DURATION: f64 = 3000.0;
+pub const DURATION: f64 = 3000.0;
 /// Largest uncertainty of an exponent that counts as zero (1/t): that of the figures, over a third
 /// of their time.
 const RESOLUTION: f64 = 3e-3;
@@ -123,6 +123,23 @@ pub struct CaptionSpectrum {
     pub std_errors: [f64; 4],
 }
 
+impl CaptionSpectrum {
+    /// An exponent, from 0.
+    fn exponent(&self, k: usize) -> Exponent {
+        let (value, std_error) = (self.exponents[k], self.std_errors[k]);
+        match value == f64::NEG_INFINITY {
+            true => Exponent::Annihilated,
+            false => Exponent::Finite { value, std_error },
+        }
+    }
+
+    /// Whether an exponent, from 0, is zero within its uncertainty.
+    pub fn is_zero(&self, k: usize) -> bool {
+        let exponent = self.exponent(k);
+        exponent.value().abs() <= exponent.uncertainty(DURATION)
+    }
+}
+
 /// The section of the measured part of a run.
 struct SectionPoints<'a>(TurningPoints<'a>);
 
@@ -141,7 +158,7 @@ pub fn caption_spectrum(figure: usize, variant: CaptionVariant) -> Result<Captio
     let FigureSet { caption, .. } = SETS[figure];
     let numbers = variant.numbers(figure);
     let caption = Caption { numbers, ..caption };
-    let model = BlockAndBracket::from_caption(&caption, &Reading::exact())?;
+    let model = BlockAndBracket::from_caption(&caption, &Interpretation::exact())?;
     let settings = SpectrumOptions::over(TRANSIENT, DURATION).solver(variant.solver());
     let mut section = SectionPoints(TurningPoints::new(&model, &settings.solver));
     let start = (0.0, State::from(caption.start));

@@ -84,6 +84,23 @@ impl CaptionTable {
         largest.is_finite().then_some(budget)
     }
 
+    /// The first exponent of the printed caption that is zero within its uncertainty, from 0. A
+    /// bounded flow that tends to no equilibrium has one, whatever the caption, so that its range
+    /// over the draws is scatter.
+    pub fn zero_by_theorem(&self, figure: usize) -> Option<usize> {
+        let printed = self.of(figure, false).next()?;
+        (0..4).find(|&k| printed.is_zero(k))
+    }
+
+    /// The fastest decay (1/t) that passes for a zero second exponent among the draws that count as
+    /// quasi-periodic: slower locking is not seen. `None` without such draws.
+    pub fn slowest_unseen(&self, figure: usize) -> Option<f64> {
+        let tori = self.of(figure, true);
+        let tori = tori.filter(|one| one.class == Class::QuasiPeriodic);
+        let decays: Vec<f64> = tori.map(|one| -one.exponents[1]).collect();
+        (!decays.is_empty()).then(|| extent(decays).1)
+    }
+
     /// The classes of a figure's draws with their numbers, the most frequent first.
     pub fn classes(&self, figure: usize) -> Vec<(Class, usize)> {
         let mut classes: Vec<(Class, usize)> = Vec::new();

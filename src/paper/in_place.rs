@@ -158,7 +158,7 @@ fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::models::{BlockAndBracket, Caption, Reading};
+    use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 
     #[test]
     fn a_constant_field_carries_three_steps_at_a_time() {
@@ -169,7 +169,8 @@ mod tests {
     }
 
     fn fig11(bound: f64) -> InPlace<BlockAndBracket, 4> {
-        let system = BlockAndBracket::from_caption(&Caption::FIG11, &Reading::exact()).unwrap();
+        let system =
+            BlockAndBracket::from_caption(&Caption::FIG11, &Interpretation::exact()).unwrap();
         InPlace::start(system, State::from(Caption::FIG11.start), 1e-2, bound)
     }
 

@@ -47,6 +47,8 @@ described! {
         Class = ("class", "classes of Figs. 10–12"),
         /// A Lyapunov exponent, or the ratio of two.
         Exponent = ("exponent", "exponents of Figs. 10–12, and a ratio of two"),
+        /// Printed numbers beside each other: nothing is integrated.
+        Print = ("print", "printed numbers beside each other"),
         /// Any other sentence or curve.
         Statement = ("statement", "other sentences and curves"),
     }
@@ -158,7 +160,7 @@ impl Claim {
             return Err(wrong("published", published, allowed));
         }
         let group = Group::ALL.into_iter().find(|one| one.name() == &record[10]);
-        let groups = "algebra, number, class, exponent or statement";
+        let groups = "algebra, number, class, exponent, print or statement";
         let list = "src/paper/claim_id.rs";
         let unknown = || format!("{id:?} is none of the claims in {list}; add it there");
         Ok(Claim {

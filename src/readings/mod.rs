@@ -112,7 +112,7 @@ fn run(plan: &Plan, folder: &Path) -> Result<String, ProgramError> {
 mod tests {
     use super::*;
     use crate::figures::block_and_bracket::best_common_settings;
-    use crate::paper::models::Reading;
+    use crate::paper::models::Interpretation;
     use plan::Group;
     use scoring::RowsByRole;
     use settings::{Unit, settings_name};
@@ -146,7 +146,7 @@ mod tests {
         };
         plan.groups.retain(|group| {
             let integrators = [Integrator::Exact, Integrator::InPlace(1e-2)];
-            let readings = [Reading::exact(), Reading::as_printed()];
+            let readings = [Interpretation::exact(), Interpretation::as_printed()];
             readings.contains(&group.reading) && integrators.contains(&group.integrator)
         });
         plan.search.truncate(2);
@@ -178,7 +178,7 @@ mod tests {
     fn the_in_place_scheme_never_makes_the_torus_of_fig_11() {
         let rows = committed_rows().unwrap();
         let of = |integrator: &str| {
-            let recommended = plan::reading_name(&Reading::exact());
+            let recommended = plan::reading_name(&Interpretation::exact());
             let mut all = rows.iter();
             let is =
                 |row: &&ConfigurationRow| row.key[1] == recommended && row.key[2] == integrator;

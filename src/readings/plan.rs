@@ -7,7 +7,7 @@ use super::table::{ConfigurationRow, Twelve};
 use crate::figures::block_and_bracket::{DIVERGED, DT, START, TOLERANCE};
 use crate::motion::Criterion;
 use crate::paper::claim_id::SpectrumFigure;
-use crate::paper::models::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
+use crate::paper::models::{Amplitude, Caption, CaptionOrder, Interpretation, Unloading};
 use crate::paper::published::{Claim, Claims};
 use crate::text::joined;
 
@@ -44,7 +44,7 @@ pub const SPREAD: &str = "spread";
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
     /// Interpretation of the equations and of the captions.
-    pub reading: Reading,
+    pub reading: Interpretation,
     /// Integrator.
     pub integrator: Integrator,
 }
@@ -53,7 +53,7 @@ impl Group {
     /// The corrected equations, solved exactly.
     pub fn recommended() -> Group {
         Group {
-            reading: Reading::exact(),
+            reading: Interpretation::exact(),
             integrator: Integrator::Exact,
         }
     }
@@ -191,8 +191,8 @@ fn published() -> Result<(Exponents, Twelve), String> {
     Ok((published, ids.map(|four| four.map(|id| claims.value(id)))))
 }
 
-fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
-    let with = |&reading: &Reading| {
+fn groups(readings: &[Interpretation], integrators: &[Integrator]) -> Vec<Group> {
+    let with = |&reading: &Interpretation| {
         let group = move |&integrator| Group {
             reading,
             integrator,
@@ -204,7 +204,7 @@ fn groups(readings: &[Reading], integrators: &[Integrator]) -> Vec<Group> {
 
 /// All signs, clipped or not, with the three consistent pairs of amplitude and unloading. Also the
 /// captions' numbers in the order of their heading, with μ0 = 1.
-fn readings() -> Vec<Reading> {
+fn readings() -> Vec<Interpretation> {
     let scalings = [
         (Amplitude::Mu0, Unloading::OverMu0),
         (Amplitude::One, Unloading::Plain),
@@ -214,27 +214,27 @@ fn readings() -> Vec<Reading> {
     let mut all = Vec::new();
     for (amplitude, unloading) in scalings {
         for (displacement_sign, friction_sign) in signs {
-            all.push(Reading {
+            all.push(Interpretation {
                 displacement_sign,
                 friction_sign,
                 amplitude,
                 unloading,
                 order: CaptionOrder::Mu0BeforeXi6,
-                ..Reading::exact()
+                ..Interpretation::exact()
             });
         }
     }
-    all.push(Reading {
+    all.push(Interpretation {
         unloading: Unloading::Plain,
         order: CaptionOrder::Heading { mu0: 1.0 },
-        ..Reading::exact()
+        ..Interpretation::exact()
     });
-    let clipped = |reading| [true, false].map(|clipped| Reading { clipped, ..reading });
+    let clipped = |reading| [true, false].map(|clipped| Interpretation { clipped, ..reading });
     all.into_iter().flat_map(clipped).collect()
 }
 
 /// The name of a reading in the table.
-pub fn reading_name(reading: &Reading) -> String {
+pub fn reading_name(reading: &Interpretation) -> String {
     let sign = |value: f64| if value < 0.0 { '-' } else { '+' };
     let (x3, friction) = (sign(reading.displacement_sign), sign(reading.friction_sign));
     let amplitude = match reading.amplitude {

@@ -374,8 +374,8 @@ impl Ledger {
             }
             ClaimId::S5Kinds => vec![self.spread.chaos_sentence()],
             ClaimId::S5Shapes => vec![
-                "the published spectra and pictures do not enter: the digits of the first are \
-                 undeterminable, and the second were not at hand"
+                "the published spectra and pictures do not enter: the digits of the first are not \
+                 reproduced or undeterminable, and the second were not at hand"
                     .to_owned(),
                 self.spread.chaos_sentence(),
             ],

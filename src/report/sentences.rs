@@ -70,17 +70,22 @@ fn fig_8(ledger: &Ledger) -> String {
 }
 
 fn algebra(ledger: &Ledger) -> String {
-    let of = |verdict: Option<Verdict>| {
-        let counts = |one: &&Entry| {
-            one.claim.group == Group::Algebra && verdict.is_none_or(|it| one.verdict == it)
-        };
-        ledger.entries.iter().filter(counts).count()
+    // Claims of a group that hold as they stand, and all of them.
+    let of = |group: Group| {
+        let of = |one: &&Entry| one.claim.group == group;
+        let holds = |one: &&Entry| of(one) && one.verdict == Verdict::Reproduced;
+        let entries = || ledger.entries.iter();
+        [
+            entries().filter(holds).count(),
+            entries().filter(of).count(),
+        ]
     };
-    let (holding, all) = (of(Some(Verdict::Reproduced)), of(None));
-    let others = ledger.with(Verdict::Reproduced) - holding;
+    let [[holding, all], [alike, printed]] = [Group::Algebra, Group::Print].map(of);
+    let computed = ledger.with(Verdict::Reproduced) - holding - alike;
     format!(
         "The printed algebra of Sects. 2–4 is right: {holding} of {all} claims follow from its \
-         polynomials. Of the claims that take a computation, {others} hold as they stand."
+         polynomials. {alike} of {printed} comparisons of printed numbers hold. Of the claims that \
+         take a computation, {computed} hold as they stand."
     )
 }
 

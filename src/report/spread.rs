@@ -52,7 +52,11 @@ impl Spread {
         let at_ends = at_ends.collect();
         let of_caption = |(name, caption)| {
             let set = FigureSet { caption, ..SETS[0] };
-            let class = class(&set, &models::Reading::exact(), Options::tol(TOLERANCE))?;
+            let class = class(
+                &set,
+                &models::Interpretation::exact(),
+                Options::tol(TOLERANCE),
+            )?;
             tick();
             Ok((name, class))
         };

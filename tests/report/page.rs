@@ -101,6 +101,35 @@ fn it_opens_with_the_finding_and_sets_symbols() {
     }
 }
 
+/// The text that a reader sees beside the figures, without names of files and claims.
+fn visible(page: &str) -> String {
+    let mut text = page.to_owned();
+    for element in ["style", "svg", "code"] {
+        let (begin, end) = (format!("<{element}"), format!("</{element}>"));
+        let parts = text.split(&*begin);
+        text = parts
+            .map(|part| part.rsplit(&*end).next().unwrap())
+            .collect();
+    }
+    let parts = text.split('<');
+    parts.map(|part| part.rsplit('>').next().unwrap()).collect()
+}
+
+#[test]
+fn powers_roots_and_indices_are_set_on_the_whole_page() {
+    let text = visible(&page());
+    assert!(text.contains("not a rare match; its reading"));
+    let is_digit = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
+    for mark in ["^", "sqrt(", "_k", "mu", "xi", "omega", "lambda"] {
+        let found = text.match_indices(mark).find(|(at, _)| match mark {
+            "sqrt(" | "_k" => true,
+            _ => is_digit(&text[at + mark.len()..]),
+        });
+        let shown = found.map(|(at, _)| text[at..].chars().take(40).collect::<String>());
+        assert_eq!(shown, None);
+    }
+}
+
 #[test]
 fn every_verdict_has_its_rows_and_its_filter() {
     let page = page();

@@ -20,6 +20,7 @@ const TITLE_HEIGHT: f64 = 22.0;
 pub struct Table {
     title: String,
     rows: Vec<Vec<String>>,
+    notes: Vec<String>,
 }
 
 impl Table {
@@ -28,6 +29,7 @@ impl Table {
         Self {
             title: String::new(),
             rows: vec![header.into_iter().map(Into::into).collect()],
+            notes: Vec::new(),
         }
     }
 
@@ -39,6 +41,12 @@ impl Table {
     /// Adds a row.
     pub fn row<S: Into<String>>(mut self, cells: impl IntoIterator<Item = S>) -> Self {
         self.rows.push(cells.into_iter().map(Into::into).collect());
+        self
+    }
+
+    /// Adds a line under the table, in markup. It is not broken: make it no longer than a row.
+    pub fn note(mut self, line: &str) -> Self {
+        self.notes.push(line.to_owned());
         self
     }
 
@@ -90,6 +98,12 @@ impl Table {
             }
         }
         rule(top + LINE_HEIGHT, 0.6)?;
-        rule(top + self.rows.len() as f64 * LINE_HEIGHT + 1.0, 1.1)
+        let bottom = top + self.rows.len() as f64 * LINE_HEIGHT + 1.0;
+        for (i, note) in self.notes.iter().enumerate() {
+            let middle = bottom + (i as f64 + 0.5) * LINE_HEIGHT + 2.0;
+            let words = Words::new(note, metrics::SMALL_TEXT, (HPos::Left, VPos::Center));
+            sheet.words((left, middle), words)?;
+        }
+        rule(bottom, 1.1)
     }
 }

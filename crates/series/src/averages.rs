@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_2_PI;
 
 use super::chain::Stretch;
 use super::settings::SHORTEST_BLOCK;
+use numerics::bisect;
 
 /// Number of blocks of reference points for the standard error. Student's quantile for this many is
 /// 4 % above that for infinitely many.
@@ -124,16 +125,7 @@ fn student(freedom: usize) -> f64 {
     // Probability that a normal quantity is within two standard errors.
     const WITHIN_TWO: f64 = 0.954_499_736_103_641_6;
     // The probability grows from 0 to 1, and one degree of freedom needs 14.
-    let (mut low, mut high) = (0.0, 16.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if within(middle, freedom) < WITHIN_TWO {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    bisect(0.0, 16.0, |errors| within(errors, freedom) >= WITHIN_TWO)
 }
 
 /// Probability that a variable with Student's distribution is within `t` of zero (Abramowitz &

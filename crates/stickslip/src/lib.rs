@@ -97,7 +97,7 @@
 //! [`ensemble`] integrates many starts or parameters on all cores. Each orbit is bit-for-bit the
 //! same as alone, and the results come in order.
 //!
-//! # Everything that is exported
+//! # What to use
 //!
 //! | To … | use |
 //! |---|---|
@@ -123,12 +123,15 @@
 //! | compute with the same bits everywhere | [`math`] |
 //! | build a solver of your own | [`ode`]: steps, dense output, [`ode::henon_step`] |
 //!
-//! [`error`] has the failures, [`scalar`] the numbers that carry derivatives and bounds. The
-//! remaining names of each module are the settings and results of these.
+//! The other names are settings and results of these, and are linked from their pages. [`error`]
+//! has the failures, [`scalar`] the numbers that carry derivatives and bounds.
 //!
 //! # Errors
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
 //! it in a [`Failure`].
+
+// Of this workspace only this crate is published.
+#![warn(missing_docs)]
 
 pub mod analysis;
 mod contact_fault;

@@ -4,7 +4,7 @@ use super::numbers::by_size;
 use super::recorder::{DT, END, OrbitRecorder, START};
 use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::paper::claim_id::SpectrumFigure;
-use crate::paper::models::{BlockAndBracket, Caption, Reading};
+use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 use crate::terminal::ProgramError;
 use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Locator, Method, Options, State, run};
@@ -112,7 +112,7 @@ pub struct Data {
 
 /// Computes one of the three figures.
 pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ProgramError> {
-    let model = BlockAndBracket::from_caption(&set.caption, &Reading::exact())?;
+    let model = BlockAndBracket::from_caption(&set.caption, &Interpretation::exact())?;
     // Two independent sequential runs: the result does not depend on the number of threads.
     let exact = || measure(&model, set, Options::tol(TOLERANCE));
     let (exact, literal) = rayon::join(exact, || literal(set));
@@ -134,7 +134,7 @@ pub(super) fn compute(set: &'static FigureSet) -> Result<Data, ProgramError> {
 }
 
 fn literal(set: &FigureSet) -> Result<AsPrintedOutcome, Error> {
-    let model = BlockAndBracket::from_caption(&set.caption, &Reading::as_printed())?;
+    let model = BlockAndBracket::from_caption(&set.caption, &Interpretation::as_printed())?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let start = State::from(set.caption.start);
     match run(&model, 0.0, start, END, &options, &mut ()).map_err(Error::from) {
@@ -151,7 +151,7 @@ fn literal(set: &FigureSet) -> Result<AsPrintedOutcome, Error> {
 ///
 /// # Errors
 /// Those of [`lyapunov_spectrum_watched`].
-pub fn class(set: &FigureSet, reading: &Reading, solver: Options) -> Result<Class, Error> {
+pub fn class(set: &FigureSet, reading: &Interpretation, solver: Options) -> Result<Class, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, reading)?;
     Ok(measure(&model, set, solver)?.0.class)
 }
@@ -163,7 +163,7 @@ pub fn class(set: &FigureSet, reading: &Reading, solver: Options) -> Result<Clas
 /// Those of [`class`] except an escape.
 pub fn by_rk4_and_henon(
     set: &FigureSet,
-    reading: &Reading,
+    reading: &Interpretation,
     step: f64,
 ) -> Result<Option<Class>, Error> {
     let options = Options::tol(TOLERANCE)
@@ -200,9 +200,9 @@ fn measure<'a>(
 
 /// The estimator's settings that come nearest to all three figures together, and the settings of
 /// the figures. They are chosen from the program `readings`, among those with a radius in units of
-/// the spread, for [`crate::paper::models::Reading::exact`] solved exactly. The first few differ by
-/// less than the scatter of Fig. 12's chaotic orbit. A change of the solver's last bits can reorder
-/// them; a test of the search then fails.
+/// the spread, for [`crate::paper::models::Interpretation::exact`] solved exactly. The first few
+/// differ by less than the scatter of Fig. 12's chaotic orbit. A change of the solver's last bits
+/// can reorder them; a test of the search then fails.
 pub(crate) fn best_common_settings() -> DataSettings {
     DataSettings {
         neighbours: Neighbourhood::Ball {

@@ -239,15 +239,40 @@ fn over_captions(table: &CaptionTable, figure: usize, k: usize) -> String {
     })
 }
 
-/// The classes of the captions within their rounding, with their shares.
-fn classes(table: &CaptionTable, figure: usize) -> String {
+/// The most frequent class of the captions within their rounding, with its share. A torus is only
+/// what no locking was seen of.
+fn class_over_captions(table: &CaptionTable, figure: usize) -> String {
     let classes = table.classes(figure);
     let all: usize = classes.iter().map(|(_, count)| count).sum();
-    let share = |count: usize| number(100.0 * count as f64 / all.max(1) as f64, 0);
-    let first = classes.first();
-    first.map_or_else(String::new, |&(class, count)| {
-        format!("{class} in {} %", share(count))
-    })
+    match classes.first() {
+        Some((Class::QuasiPeriodic, count)) => format!("not locked: {count} of {all}"),
+        Some((class, count)) => format!("{class}: {count} of {all}"),
+        None => String::new(),
+    }
+}
+
+/// Meaning of the ranges over the captions, a line each.
+fn on_captions(table: &CaptionTable, figure: usize, class: Class) -> Vec<String> {
+    let mut lines = vec![format!(
+        "Captions: {} draws, each over {} units of *t*.",
+        captions::DRAWS,
+        number(captions::DURATION, 0)
+    )];
+    if class == Class::Chaotic {
+        lines.push("Their ranges are scatter of a chaotic orbit over that time.".into());
+    } else if let Some(zero) = table.zero_by_theorem(figure) {
+        lines.push(format!(
+            "The range of *λ*_{} is scatter: a flow has a zero exponent.",
+            zero + 1
+        ));
+    }
+    if let Some(slowest) = table.slowest_unseen(figure) {
+        lines.push(format!(
+            "Locking slower than {} is not seen.",
+            four_decimals(slowest)
+        ));
+    }
+    lines
 }
 
 fn table(data: &Data) -> Result<Table, ProgramError> {
@@ -310,7 +335,9 @@ fn table(data: &Data) -> Result<Table, ProgramError> {
         "class".to_owned(),
         class,
         of_class,
-        classes(captions, figure),
+        class_over_captions(captions, figure),
     ]);
-    Ok(rows.into_iter().fold(table, Table::row))
+    let table = rows.into_iter().fold(table, Table::row);
+    let notes = on_captions(captions, figure, exact.class);
+    Ok(notes.iter().fold(table, |table, line| table.note(line)))
 }

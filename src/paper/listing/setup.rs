@@ -14,7 +14,8 @@ pub const END: f64 = 63.3;
 /// One run: oscillator, start, defects, step and length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
-    /// The oscillator (lines 2–9). The listing's friction has 1 s/m for `delta`.
+    /// The oscillator (lines 2–9), with the listing's own `w`. Its friction has 1 s/m for
+    /// `delta`.
     pub model: ForcedOscillator,
     /// The six tangent points of Eq. (24) in metres, largest first (the listing's `T`).
     ///
@@ -36,7 +37,10 @@ pub struct Setup {
 impl Default for Setup {
     /// The listing as printed. Each tangent point is computed by the operations of lines 4–9.
     fn default() -> Self {
-        let model = ForcedOscillator::default();
+        let model = ForcedOscillator {
+            omega: 3.0 * PI / 2.0 / 1.2364,
+            ..ForcedOscillator::default()
+        };
         let c = 2.0 * 3f64.sqrt() / 3.0;
         let upper = [
             c * math::cos(PI / 9.0),

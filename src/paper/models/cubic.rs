@@ -32,7 +32,7 @@ pub struct TangentPoint {
     pub z: f64,
     /// Which of the two equations it solves.
     pub balance: Balance,
-    /// As a zero of `σ`: 2 where `σ` touches the axis without crossing it, otherwise 1.
+    /// Multiplicity of the zero of `σ`: 2 where it touches the axis without crossing it, else 1.
     pub multiplicity: u8,
 }
 

@@ -9,7 +9,7 @@ mod tangent_points;
 
 pub use belt::BeltOscillator;
 pub use block_and_bracket::{
-    Amplitude, BlockAndBracket, Caption, CaptionOrder, Reading, Rig, Unloading,
+    Amplitude, BlockAndBracket, Caption, CaptionOrder, Interpretation, Rig, Unloading,
 };
 pub use forced::ForcedOscillator;
 pub use tangent_points::BeltTangency;

@@ -10,7 +10,7 @@ use crate::figures::block_and_bracket::{DIVERGED, START, TOLERANCE};
 use crate::figures::rows::Value;
 use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::orbit_records::TurningPoints;
-use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Reading};
+use crate::paper::models::{BlockAndBracket, Caption, CaptionOrder, Interpretation};
 use crate::report::spread::mended_captions;
 use stickslip::{Error, Observer, Options, State, StepRecord, run};
 
@@ -50,7 +50,7 @@ pub enum MotionOutcome {
 }
 
 /// Integrates the equations until `end`. The section up to [`SECTION_END`] decides the class.
-fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutcome, Error> {
+fn outcome(caption: &Caption, reading: &Interpretation, end: f64) -> Result<MotionOutcome, Error> {
     let model = BlockAndBracket::from_caption(caption, reading)?;
     let options = Options::tol(TOLERANCE).escape(DIVERGED);
     let mut observer = TransientAndSection {
@@ -76,7 +76,7 @@ fn outcome(caption: &Caption, reading: &Reading, end: f64) -> Result<MotionOutco
 /// Proof decided by the section.
 pub(in crate::report) fn by_section(
     caption: &Caption,
-    reading: &Reading,
+    reading: &Interpretation,
 ) -> Result<MotionOutcome, Error> {
     outcome(caption, reading, SECTION_END)
 }
@@ -119,8 +119,8 @@ pub(super) fn signs() -> Result<Proof, Error> {
     let mut holds = true;
     for (figure, caption) in (10..).zip(Caption::ALL) {
         let (printed, corrected) = rayon::join(
-            || outcome(&caption, &Reading::as_printed(), START),
-            || outcome(&caption, &Reading::exact(), START),
+            || outcome(&caption, &Interpretation::as_printed(), START),
+            || outcome(&caption, &Interpretation::exact(), START),
         );
         let (printed, corrected) = (printed?, corrected?);
         holds &= matches!(printed, MotionOutcome::Diverges(_));
@@ -148,13 +148,13 @@ pub(super) fn order_of_captions() -> Result<Proof, Error> {
             "1",
         ));
         holds &= (ratio - stiffness).abs() < 1e-3 && xi2 == 0.0 && xi5 == 0.0;
-        let corrected = by_section(caption, &Reading::exact())?;
+        let corrected = by_section(caption, &Interpretation::exact())?;
         holds &= corrected.is_open();
         all.push(corrected.proof_result(&format!("Fig. {figure}, corrected order")));
         let headed = FRICTIONS.par_iter().map(|&mu0| {
-            let reading = Reading {
+            let reading = Interpretation {
                 order: CaptionOrder::Heading { mu0 },
-                ..Reading::exact()
+                ..Interpretation::exact()
             };
             by_section(caption, &reading)
         });
@@ -176,11 +176,11 @@ pub(super) fn caption_of_fig10() -> Result<Proof, Error> {
         ProofResult::new("seventh number over sixth", ratio, "1"),
         ProofResult::new("xi4 - 1", stiffness, "1"),
     ];
-    let printed = by_section(&Caption::FIG10, &Reading::exact())?;
+    let printed = by_section(&Caption::FIG10, &Interpretation::exact())?;
     all.push(printed.proof_result("as printed"));
     let mended = mended_captions();
     let outcomes = mended.par_iter();
-    let outcomes = outcomes.map(|(_, caption)| by_section(caption, &Reading::exact()));
+    let outcomes = outcomes.map(|(_, caption)| by_section(caption, &Interpretation::exact()));
     let outcomes = outcomes.collect::<Result<Vec<MotionOutcome>, Error>>()?;
     let holds = (ratio - stiffness).abs() > 1e-2 && !outcomes.contains(&printed);
     let with = mended.iter().zip(outcomes);

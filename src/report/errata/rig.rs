@@ -2,7 +2,7 @@
 
 use super::proof::Proof;
 use crate::paper::TOLERANCE;
-use crate::paper::models::{BlockAndBracket, Caption, Reading, Rig, Unloading};
+use crate::paper::models::{BlockAndBracket, Caption, Interpretation, Rig, Unloading};
 use stickslip::{Error, Options, State, solve};
 
 /// A block and a bracket in SI units, undamped as in the captions.
@@ -53,9 +53,9 @@ pub(super) fn friction_counted_twice() -> Result<Proof, Error> {
     caption.numbers[..5].copy_from_slice(&first);
     caption.numbers[5..].copy_from_slice(&last);
     let with = |unloading| -> Result<f64, Error> {
-        let reading = Reading {
+        let reading = Interpretation {
             unloading,
-            ..Reading::exact()
+            ..Interpretation::exact()
         };
         let model = BlockAndBracket::from_caption(&caption, &reading)?;
         let end = solve(&model, 0.0, start, RIG_SPAN, &Options::tol(TOLERANCE))?;

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::paper::models::{Caption, Reading};
+use crate::paper::models::{Caption, Interpretation};
 use crate::report::errata::{MotionOutcome, by_section};
 use crate::text::joined;
 use numerics::SplitMix;
@@ -52,7 +52,7 @@ impl Loops {
                 start,
                 ..Caption::FIG10
             };
-            by_section(&caption, &Reading::exact())
+            by_section(&caption, &Interpretation::exact())
         });
         let outcomes = outcomes.collect::<Result<Vec<_>, Error>>()?;
         let one = outcomes.iter().filter(|one| is_closed(**one, 1)).count();
@@ -65,7 +65,7 @@ impl Loops {
                 let factor = math::pow(2.0, f64::from(sign * k) / f64::from(FACTORS));
                 let mut caption = Caption::FIG10;
                 caption.numbers[index] *= factor;
-                match by_section(&caption, &Reading::exact()) {
+                match by_section(&caption, &Interpretation::exact()) {
                     Ok(outcome) => is_closed(outcome, CAPTIONED).then_some(Ok((name, factor))),
                     Err(error) => Some(Err(error)),
                 }

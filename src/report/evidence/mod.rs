@@ -26,7 +26,7 @@ use super::finding::Finding;
 use crate::figures::block_and_bracket::Data;
 use crate::figures::rows::Row;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::listing::Defects;
+use crate::paper::listing::{Defects, Setup};
 use crate::paper::models::{Caption, ForcedOscillator};
 use crate::paper::published::Claims;
 use crate::paper::reading::Reading;
@@ -77,7 +77,10 @@ impl Statements {
             (S2InnerPoints, belt::inner_points()?),
             (Fig04NoStick, belt::no_stick(&computed.fig04.cycle)?),
             (S3Order, procedure::order_of_steps()),
-            (S4ListingParameters, procedure::listing_parameters()),
+            (
+                S4ListingParameters,
+                procedure::listing_parameters(&Setup::default(), &model),
+            ),
             (S5OneRig, procedure::one_rig(&Caption::ALL)),
             (Fig12Ratio, ratio(claims, &computed.bracket[2])),
             (

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::figures::block_and_bracket::{Data, SETS, by_rk4_and_henon};
 use crate::motion::Class;
-use crate::paper::models::Reading;
+use crate::paper::models::Interpretation;
 use crate::paper::reading::Reading::{Corrected, CorrectedEquations};
 use crate::readings::OrbitVerdict;
 use crate::report::finding::{Finding, as_printed, statement};
@@ -35,7 +35,7 @@ pub struct ByProcedure {
 impl ByProcedure {
     /// Integrates all six orbits.
     pub(super) fn compute() -> Result<ByProcedure, Error> {
-        let readings = [Reading::exact(), Reading::as_printed()];
+        let readings = [Interpretation::exact(), Interpretation::as_printed()];
         let runs = readings.map(|reading| SETS.map(|set| (reading, set)));
         let runs = runs.as_flattened().par_iter();
         let classes = runs.map(|(reading, set)| by_rk4_and_henon(set, reading, RK4_STEP));

@@ -3,13 +3,12 @@
 
 use crate::figures::rows::Part;
 use crate::numbers::{ROUNDING, extent, largest};
-use crate::paper::listing::{Defect, Defects, END, Setup, run_with};
+use crate::paper::listing::{Defect, Defects, Setup, run_with};
 use crate::paper::models::{Caption, ForcedOscillator};
 use crate::paper::reading::Reading::{AsPrinted, Exact};
 use crate::report::finding::{Finding, statement};
 use crate::text::joined;
 use numerics::PowerLaw;
-use std::f64::consts::PI;
 
 /// Time (s) of a slip phase in which orders are measured: a whole number of all steps, and in place
 /// three times as long, before Σ is met.
@@ -63,10 +62,9 @@ pub(super) fn order_of_steps() -> Vec<Finding> {
 }
 
 /// `s4.listing_parameters`: the frequency and the window of the listing against the text.
-pub(super) fn listing_parameters() -> Vec<Finding> {
-    let (setup, text) = (Setup::default(), ForcedOscillator::default());
-    let listing = 3.0 * PI / 2.0 / 1.2364;
-    let window = END - setup.window_start;
+pub(super) fn listing_parameters(setup: &Setup, text: &ForcedOscillator) -> Vec<Finding> {
+    let listing = setup.model.omega;
+    let window = setup.end - setup.window_start;
     let pattern = 2.0 * text.period();
     let parts = [
         (
@@ -139,6 +137,7 @@ impl LowerEnds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn the_order_is_nought_in_place_one_with_frozen_forcing_and_four_mended() {
@@ -161,6 +160,22 @@ mod tests {
         let mut other = Caption::ALL;
         other[1].numbers[2] += 5e-3;
         assert!(!one_rig(&other)[0].agrees);
-        assert!(listing_parameters()[0].agrees);
+    }
+
+    #[test]
+    fn another_frequency_or_window_in_the_listing_is_noticed() {
+        let text = ForcedOscillator::default();
+        let agrees = |listing: Setup| listing_parameters(&listing, &text)[0].agrees;
+        let printed = Setup::default();
+        assert!(agrees(printed));
+        // One unit of the last decimal of w, and two periods that no longer fit.
+        let mut other = printed;
+        other.model.omega = 3.0 * PI / 2.0 / 1.2365;
+        assert!(!agrees(other));
+        let window_start = printed.window_start + 0.1;
+        assert!(!agrees(Setup {
+            window_start,
+            ..printed
+        }));
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn function(source: &str) -> Markup {
 }
 
 /// Symbols that are written in letters and digits: the letters, and what is set.
-const SYMBOLS: [(&str, &str); 20] = [
+const SYMBOLS: [(&str, &str); 21] = [
     ("mu", "μ"),
     ("xi", "ξ"),
     ("sigma", "σ"),
@@ -60,6 +60,8 @@ const SYMBOLS: [(&str, &str); 20] = [
     ("f", "f"),
     ("h", "h"),
     ("k", "k"),
+    ("m", "m"),
+    ("t", "t"),
     ("x", "x"),
     ("z", "z"),
     ("S", "S"),
@@ -67,18 +69,22 @@ const SYMBOLS: [(&str, &str); 20] = [
     ("vp", "v"),
     ("nk", "n"),
     ("ni", "n"),
-    ("x_k", "x"),
 ];
 
-/// Text with symbols set as symbols: `mu0` with its index, `x1^3` with index and power.
+/// Text with symbols set as symbols: `mu0` with its index, `x1^3` with index and power, `sqrt(3)`
+/// as a root, `(x + z)^2` with its power.
 pub(super) fn typeset(text: &str) -> Markup {
     let escape = |text: &str| html! { (text) }.into_string();
     let (mut set, mut rest, mut before) = (String::new(), text, ' ');
     while let Some(first) = rest.chars().next() {
         let found = match before.is_alphanumeric() || "_.^\\".contains(before) {
             true => None,
-            false => symbol(rest),
+            false => root(rest).or_else(|| symbol(rest)),
         };
+        let found = found.or_else(|| {
+            let (power, length) = power(rest)?;
+            Some((html! { sup { (power) } }.into_string(), length))
+        });
         let length = match found {
             Some((markup, length)) => {
                 set += &markup;
@@ -95,44 +101,56 @@ pub(super) fn typeset(text: &str) -> Markup {
     PreEscaped(set)
 }
 
+/// The power at the begin of a text, digits or what is in parentheses, and its length there.
+fn power(text: &str) -> Option<(String, usize)> {
+    let power = text.strip_prefix('^')?;
+    if let Some(inner) = power.strip_prefix('(') {
+        let (inner, _) = inner.split_once(')')?;
+        return Some((format!("({inner})"), inner.len() + 3));
+    }
+    let digits = power.find(|c: char| !c.is_ascii_digit());
+    let digits = digits.unwrap_or(power.len());
+    (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
+}
+
+/// The square root at the begin of a text, and its length there.
+fn root(text: &str) -> Option<(String, usize)> {
+    let (inner, _) = text.strip_prefix("sqrt(")?.split_once(')')?;
+    let length = "sqrt()".len() + inner.len();
+    let inner = match inner.chars().all(char::is_alphanumeric) {
+        true => inner.to_owned(),
+        false => format!("({inner})"),
+    };
+    Some((format!("√{}", typeset(&inner).into_string()), length))
+}
+
 /// The symbol at the begin of a text, and its length there.
 fn symbol(text: &str) -> Option<(String, usize)> {
     let end = |from: usize, is: fn(char) -> bool| {
         let other = text[from..].find(|c| !is(c));
         other.map_or(text.len(), |length| from + length)
     };
-    let letters = match text.starts_with("x_k") {
-        true => 3,
-        false => end(0, char::is_alphabetic),
-    };
+    let letters = end(0, char::is_alphabetic);
     let (name, set) = SYMBOLS.iter().find(|(name, _)| *name == &text[..letters])?;
     let digits = end(letters, |c| c.is_ascii_digit());
     let mut length = digits;
     let index = match *name {
-        "vp" | "nk" | "ni" | "x_k" => &name[name.len() - 1..],
+        "vp" | "nk" | "ni" => &name[name.len() - 1..],
+        _ if text[letters..].starts_with('_') => {
+            length = end(letters + 1, char::is_alphanumeric);
+            &text[letters + 1..length]
+        }
         _ if text[digits..].starts_with(",0") && digits > letters => {
             length += 2;
             &text[letters..length]
         }
         _ => &text[letters..digits],
     };
-    // A single letter without an index is a word or set by the text itself.
-    if index.is_empty() && name == set {
+    let power = power(&text[length..]);
+    // A single letter without index and power is a word or set by the text itself.
+    if index.is_empty() && power.is_none() && name == set {
         return None;
     }
-    let power = text[length..]
-        .strip_prefix('^')
-        .and_then(|power| match power.strip_prefix('(') {
-            Some(inner) => inner
-                .split_once(')')
-                .map(|(inner, _)| (format!("({inner})"), inner.len() + 3)),
-            None => {
-                let digits = power
-                    .find(|c: char| !c.is_ascii_digit())
-                    .unwrap_or(power.len());
-                (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
-            }
-        });
     let power_length = power.as_ref().map_or(0, |(_, length)| *length);
     if text[length + power_length..].starts_with(char::is_alphanumeric) {
         return None;
@@ -170,6 +188,18 @@ mod tests {
                 "<i>v</i><sub>p</sub>, <i>n</i><sub>k</sub> &gt; <i>n</i><sub>i</sub>",
             ),
             ("λ1 of sigma", "<i>λ</i><sub>1</sub> of <i>σ</i>"),
+            (
+                "(k2 z^3 - z)^2/m^2",
+                "(<i>k</i><sub>2</sub> <i>z</i><sup>3</sup> - z)<sup>2</sup>/<i>m</i><sup>2</sup>",
+            ),
+            (
+                "z_k at t_entry",
+                "<i>z</i><sub>k</sub> at <i>t</i><sub>entry</sub>",
+            ),
+            (
+                "2 sqrt(3)/9, sqrt(x1 + 1)",
+                "2 √3/9, √(<i>x</i><sub>1</sub> + 1)",
+            ),
             (
                 "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",
                 "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",

@@ -28,11 +28,11 @@ pub(super) fn section(ledger: &Ledger) -> Markup {
                 (columns(&COLUMNS))
                 tbody { @for figure in SpectrumFigure::ALL { (row(ledger, figure)) } }
             }
-            p { (found) }
+            p { (typeset(&found)) }
             details {
                 summary { "How much a match with the published exponents is worth" }
-                p { (nearest) }
-                p { (joint) }
+                p { (typeset(&nearest)) }
+                p { (typeset(&joint)) }
             }
         }
     }

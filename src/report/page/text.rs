@@ -25,7 +25,10 @@ pub(super) fn errata(ledger: &Ledger) -> Markup {
                             td data-column="Shown by" {
                                 ul.found {
                                     @for shown in &erratum.shown {
-                                        li { (typeset(&shown.what)) ": " b { (value(shown)) } }
+                                        li {
+                                            (typeset(&shown.what)) ": "
+                                            b { (typeset(&value(shown))) }
+                                        }
                                     }
                                 }
                                 @if let Some(why) = &erratum.by_reading {

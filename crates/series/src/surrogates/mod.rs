@@ -33,8 +33,8 @@ const REFERENCES: usize = 2000;
 /// Surrogates between two reports of progress. Each takes an estimate.
 const SURROGATES_PER_REPORT: usize = 4;
 
-/// What is compared. Estimates are of fewer reference points than the spectrum, and of the part of
-/// the series that surrogates are made of.
+/// Statistics that are compared. Estimates are of fewer reference points than the spectrum, and of
+/// the part of the series that surrogates are made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Part of the motion that the maps do not predict.

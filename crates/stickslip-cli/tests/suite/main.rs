@@ -6,7 +6,6 @@ mod families;
 mod hybrid;
 mod long_runs;
 mod model_2_page;
-mod places_on_branches;
 mod public_cases;
 mod spectrum;
 mod spectrum_embedding;

@@ -224,10 +224,10 @@ fn a_branch_killed_as_it_grows_goes_on_by_the_same_command() {
 }
 
 /// `u' = p + q u - u³` about `cos t` has two folds over p.
-const CUSP: &str = include_str!("../data/cusp.toml");
+const CUSP: &str = include_str!("../../../stickslip-model/tests/data/cusp.toml");
 
 /// An orbit about `cos t` doubles its period at p = 0.
-const FLIP: &str = include_str!("../data/doubled.toml");
+const FLIP: &str = include_str!("../../../stickslip-model/tests/data/doubled.toml");
 
 /// Each takes a second part, which is killed when the first of its results is saved.
 #[test]

@@ -415,3 +415,48 @@ fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
         assert_eq!(is_stable, x * x > 1.0 / 3.0, "{at:?}");
     }
 }
+
+/// C7: friction of a treadmill, `fc + (fs - fc) exp(-w) + fv w` with a negative fc.
+const TREADMILL: &str = include_str!("../data/treadmill.toml");
+
+/// At rest the belt slips at p. The Hopf point is where the friction's slope there is zero, at
+/// ln(25/3), with the frequency of the spring. At p = 0 the belt stops, and static friction holds
+/// the block in an interval. Beyond it the block rests on the other side.
+#[test]
+fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms() {
+    let (system, branch) = equilibria(TREADMILL, ("p", -4.0, 4.0));
+    let exact = math::ln(25.0 / 3.0);
+    let (mut hopf, mut boundary) = (Vec::new(), Vec::new());
+    for at in &branch.special {
+        match at.what {
+            EquilibriumBifurcation::Hopf { frequency } => hopf.push((at, frequency)),
+            EquilibriumBifurcation::Boundary { turns: false, .. } => boundary.push(at),
+            _ => panic!("{at:?}"),
+        }
+    }
+    assert_eq!((hopf.len(), boundary.len()), (2, 2));
+    for ((at, frequency), exact) in hopf.iter().zip([-exact, exact]) {
+        assert!((at.parameter - exact).abs() < 1e-12, "{at:?}");
+        assert!((frequency - 1.0).abs() < 1e-12 && at.uncertainty < 1e-8);
+    }
+    for (at, (modes, u)) in boundary.iter().zip([(["+", "S"], -2.0), (["S", "-"], 2.0)]) {
+        assert!(at.parameter.abs() < 1e-12, "{at:?}");
+        assert_eq!(boundary_of(at, &system).1, modes);
+        assert!((at.x[0] - u).abs() < 1e-12, "{at:?}");
+    }
+    for at in &branch.points {
+        let (p, u) = (at.parameter, at.x[0]);
+        let friction = |w: f64| -0.5 + 2.5 * math::exp(-w) + 0.3 * w;
+        let mode = system.sequence(&[at.mode]);
+        match &*mode {
+            "-" => assert!(p >= 0.0 && (u - friction(p)).abs() < 1e-12, "{at:?}"),
+            "+" => assert!(p <= 0.0 && (u + friction(-p)).abs() < 1e-12, "{at:?}"),
+            _ => assert!(p.abs() < 1e-12 && u.abs() <= 2.0 + 1e-12, "{at:?}"),
+        }
+        if mode != "S" {
+            let is_stable = at.stability() == Stability::Stable;
+            assert_eq!(is_stable, p.abs() > exact, "{at:?}");
+        }
+    }
+    assert_eq!(branch.stops, [Stop::Range, Stop::Range]);
+}

@@ -22,4 +22,5 @@ mod resume;
 mod run;
 mod side_by_side;
 mod sizes;
+mod special_orbits;
 mod tape;

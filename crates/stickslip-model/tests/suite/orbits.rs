@@ -278,3 +278,19 @@ fn a_sampled_loop_at_rest_is_no_family() {
         assert_eq!((found.period, found.family), (0.1, 0), "{transient}");
     }
 }
+
+/// Without damping every swing has its own period. That of an amplitude follows from the
+/// arithmetic-geometric mean.
+#[test]
+fn a_swing_of_a_pendulum_is_one_of_a_family_with_the_period_of_its_amplitude() {
+    let system = system(include_str!("../data/pendulum.toml"));
+    let found = crate::run::orbit(&system, &crate::run::options("taylor"));
+    assert_eq!(found.family, 1);
+    let (mut a, mut b) = (1.0, math::cos(0.5 * 2.0));
+    while f64::abs(a - b) > 1e-15 {
+        (a, b) = (0.5 * (a + b), f64::sqrt(a * b));
+    }
+    // The nearest orbit to the end of the run.
+    let off = found.period - std::f64::consts::TAU / a;
+    assert!(off.abs() < 1e-8, "{off:e}");
+}

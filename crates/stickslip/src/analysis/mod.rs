@@ -19,7 +19,7 @@ mod tangent;
 
 pub use attractors::{
     Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_of_many,
-    attractor_on, attractors_of_many, is_same_cycle,
+    attractors_of_many,
 };
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{

@@ -19,4 +19,4 @@ pub use linear::{Linear, Timed};
 pub use rk4::Rk4;
 pub use step::{Stages, dense_slopes, stages};
 pub(crate) use step::{further_slopes, step_end};
-pub use tableau::{Coefficients, Embedded, MAX_STAGES, RungeKutta};
+pub use tableau::RungeKutta;

@@ -31,7 +31,7 @@ pub struct Embedded {
 }
 
 /// An explicit Runge–Kutta method. Its data define the generic step, the dense output and the Hénon
-/// step.
+/// step. The type of the data is not exported: the methods are those of [`crate::ode`].
 pub trait RungeKutta {
     /// Name in messages.
     const NAME: &'static str;

@@ -14,3 +14,10 @@ mod lyapunov_jumps;
 #[path = "../common/smooth.rs"]
 mod smooth;
 mod uncertainties;
+
+/// Whether two sequences are equal up to a cyclic shift.
+fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
+    let length = one.len();
+    let is_shift = |by: usize| (0..length).all(|i| one[i] == other[(i + by) % length]);
+    length == other.len() && (0..length.max(1)).any(is_shift)
+}

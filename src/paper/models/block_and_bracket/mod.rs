@@ -3,7 +3,7 @@
 mod reading;
 mod rig;
 
-pub use reading::{Amplitude, Caption, CaptionOrder, Reading, Unloading};
+pub use reading::{Amplitude, Caption, CaptionOrder, Interpretation, Unloading};
 pub use rig::Rig;
 
 use super::parameters::{finite, not_negative, positive};
@@ -42,8 +42,8 @@ use stickslip::{Error, Filippov, Scalar, Side};
 ///
 /// with `δ` and `vp` in units of `1/(ωL)` and `ωL`. The paper prints `−x₃ − T` in the second row.
 /// The signs of both terms are parameters here, so that the printed equations can be run as well.
-/// A [`Reading`] turns the nine numbers of a caption into parameters. [`Rig`] is the system in its
-/// physical units.
+/// An [`Interpretation`] turns the nine numbers of a caption into parameters. [`Rig`] is the system
+/// in its physical units.
 ///
 /// State: `(x₁, x₂, x₃, x₄)`; Σ is `x₂ = vp`. There the block sticks while the required force is at
 /// most `μ0 N/mg`. Where `N` is clipped to zero, both fields agree and the block does not stick.

@@ -69,7 +69,7 @@ pub enum Unloading {
 /// An interpretation of Eq. (27)–(28) and of the captions of Figs. 10–12. It is data, so that all
 /// interpretations run through the same code.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reading {
+pub struct Interpretation {
     /// Sign of `x₃` in the second row of Eq. (27), 1 or −1.
     pub displacement_sign: f64,
     /// Sign of `T` there, 1 or −1.
@@ -84,10 +84,10 @@ pub struct Reading {
     pub order: CaptionOrder,
 }
 
-impl Reading {
+impl Interpretation {
     /// The equations that the mechanics of Fig. 9 require: see [`BlockAndBracket`].
     pub fn exact() -> Self {
-        Reading {
+        Interpretation {
             displacement_sign: 1.0,
             friction_sign: 1.0,
             amplitude: Amplitude::Mu0,
@@ -99,23 +99,23 @@ impl Reading {
 
     /// Eq. (27) and (28) taken literally: `−x₃ − T` in the second row, `T = sgn(v) y μₖ` with `y =
     /// 1 − ξ6 x₃ − ξ7 x₄`, without clipping. The captions' heading has no μ0, so their numbers are
-    /// taken as in [`Reading::exact`].
+    /// taken as in [`Interpretation::exact`].
     pub fn as_printed() -> Self {
-        Reading {
+        Interpretation {
             displacement_sign: -1.0,
             friction_sign: -1.0,
             unloading: Unloading::Plain,
             clipped: false,
-            ..Reading::exact()
+            ..Interpretation::exact()
         }
     }
 
     /// The corrected equations with lengths in units of `μ0 mg/k2`.
     pub fn scaled_by_friction() -> Self {
-        Reading {
+        Interpretation {
             amplitude: Amplitude::One,
             unloading: Unloading::Plain,
-            ..Reading::exact()
+            ..Interpretation::exact()
         }
     }
 }
@@ -125,7 +125,7 @@ impl BlockAndBracket {
     ///
     /// # Errors
     /// [`Error::Parameter`] naming the first parameter that is not allowed.
-    pub fn from_caption(caption: &Caption, reading: &Reading) -> Result<Self, Error> {
+    pub fn from_caption(caption: &Caption, reading: &Interpretation) -> Result<Self, Error> {
         let [xi1, xi2, xi3, xi4, xi5, sixth, seventh, delta, belt_speed] = caption.numbers;
         let (mu0, xi6, xi7) = match reading.order {
             CaptionOrder::Mu0BeforeXi6 => (sixth, seventh, 0.0),

@@ -30,10 +30,9 @@ const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbo
     exponents the data determine. --estimator sano-sawada is the method of Sano and Sawada, linear \
     maps of one size.";
 
-/// With `--help`.
 const AFTER: &str = include_str!("help.txt").trim_ascii_end();
 
-/// With `-h`, which has a line for each option.
+/// Text after `-h`, which has a line for each option.
 const AFTER_SHORT: &str = "\
 One column is embedded; several are the state as they are, unless they lack one. \
 A column named t or time gives --dt.

@@ -158,6 +158,6 @@ pub(super) fn shifts<'a, A, B>(
 }
 
 /// Whether two sequences are equal up to a cyclic shift.
-pub fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
+fn is_same_cycle<A: PartialEq<B>, B>(one: &[A], other: &[B]) -> bool {
     one.is_empty() && other.is_empty() || shifts(one, other, |a, b| a == b).next().is_some()
 }

@@ -10,17 +10,17 @@ mod search;
 mod tolerance;
 mod trap;
 
-pub use attractor::{Attractor, AttractorKind, is_same_cycle};
+pub use attractor::{Attractor, AttractorKind};
 pub use distinct::Attractors;
 pub(super) use tolerance::SOLVER_TOLERANCES;
 
 use std::ops::ControlFlow;
 
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Typed, Vector,
+    AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Vector,
 };
 use crate::error::{Error, require};
-use crate::filippov::{EventFunctions, Options, Strobe, Switched};
+use crate::filippov::{Options, Strobe};
 use crate::system::Mode;
 use search::Search;
 
@@ -251,25 +251,6 @@ fn section(settings: &RecurrenceSettings, options: &Options) -> (Option<Section>
         }
         None => (None, *options),
     }
-}
-
-/// [`attractor`] with the points of a section given by the user.
-///
-/// # Errors
-/// As [`attractor`].
-pub fn attractor_on<S, V, const N: usize, const G: usize>(
-    system: &S,
-    section: &V,
-    x0: impl Components,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Attractor, Error>
-where
-    S: Switched<N, G> + Send + Sync,
-    V: EventFunctions<N> + Send + Sync,
-{
-    let typed = Typed::<&S, S, &V, _, _, N, G>::with_section(system, section);
-    seek(&typed, &[Section::Own(0)], x0.vector(), settings, options)
 }
 
 fn seek(

@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 
+use crate::is_same_cycle;
 use numerics::SplitMix;
 use stickslip::analysis::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_on, basin,
-    is_same_cycle, periodic_orbit, periodic_orbit_forced,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, basin, periodic_orbit,
+    periodic_orbit_forced,
 };
 use stickslip::system::IntoState;
-use stickslip::{Direction, Error, Method, Mode, Options, Plane, Side, State, math, solve};
+use stickslip::{Error, Method, Mode, Options, Side, State, math, solve};
 
 use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;
@@ -521,35 +522,6 @@ fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
         }
         assert_eq!(orbit.transitions.len(), 2);
     }
-}
-
-#[test]
-fn a_section_of_the_user_s_own_takes_the_place_of_the_transitions() {
-    let section = Plane {
-        point: State::from([0.0, 0.0]),
-        normal: State::from([0.0, 1.0]),
-        direction: Direction::Both,
-    };
-    let found = attractor_on(
-        &Leine.any(),
-        &section,
-        [1.0, 0.0],
-        &within(200.0),
-        &Options::tol(1e-12),
-    )
-    .unwrap();
-    // It turns back twice in a period.
-    assert!(matches!(
-        found.kind,
-        AttractorKind::Periodic { returns: 2, .. }
-    ));
-    assert!(is_same_cycle(&found.sequence(), &[Mode::Stick, BELOW]));
-    let largest = found
-        .points
-        .iter()
-        .map(|point| point.x[0])
-        .fold(0.0, f64::max);
-    assert!((largest - 1.133_944_676_442).abs() < 1e-10, "{largest}");
 }
 
 #[test]

@@ -2,10 +2,10 @@
 
 use std::f64::consts::PI;
 
+use crate::is_same_cycle;
 use stickslip::analysis::{
     AttractorKind, ContinuationSettings, CycleBifurcation, SequenceBifurcation, Stop,
-    SweepSettings, WhatChanges, continue_periodic_orbit, find_periodic_orbit, is_same_cycle,
-    multipliers,
+    SweepSettings, WhatChanges, continue_periodic_orbit, find_periodic_orbit, multipliers,
 };
 use stickslip::{Method, Mode, Options, Side, math};
 

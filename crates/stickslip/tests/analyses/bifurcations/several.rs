@@ -2,10 +2,11 @@
 
 use std::f64::consts::PI;
 
+use crate::is_same_cycle;
 use stickslip::analysis::{
     AttractorChange, AttractorKind, ContinuationSettings, CycleBifurcation, RecurrenceSettings,
     SequenceBifurcation, SequenceChange, Stop, SweepSettings, WhatChanges, attractor,
-    continue_periodic_orbit, is_same_cycle, periodic_orbit_forced,
+    continue_periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Several, Side, State, math, solve};

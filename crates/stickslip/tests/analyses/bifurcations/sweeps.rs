@@ -2,10 +2,10 @@
 
 use std::f64::consts::{LN_10, PI};
 
+use crate::is_same_cycle;
 use stickslip::analysis::{
     AttractorChange, AttractorKind, CycleBifurcation, Exponent, SequenceBifurcation,
-    SequenceChange, SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, is_same_cycle,
-    locate_changes, sweep,
+    SequenceChange, SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, locate_changes, sweep,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
