@@ -79,6 +79,12 @@ pub trait Interface {
                 let named = format!("the jump {} ", name(*jump));
                 error.to_string().replacen(&number, &named, 1)
             }
+            Error::TooShortSteps { longest_step, .. } => {
+                let given = format!("longest_step = {}", readable(*longest_step));
+                let text = error.to_string();
+                let text = text.replace(&given, &self.value("longest_step", *longest_step));
+                text.replace("most_steps", &self.name("most_steps"))
+            }
             Error::TooMany { name, .. }
             | Error::TimeRounding {
                 bound: Some(name), ..

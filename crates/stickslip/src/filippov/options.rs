@@ -236,6 +236,26 @@ impl Options {
         }
     }
 
+    /// Checks that a run to a time that was asked for is possible within
+    /// [`Options::most_steps`]: all its steps are at most [`Options::longest_step`]. A run that may
+    /// end earlier, by an event say, needs no such check.
+    ///
+    /// # Errors
+    /// [`Error::TooShortSteps`].
+    pub fn check_span(&self, t: f64, t_end: f64) -> Result<(), Error> {
+        let (most_steps, longest_step) = (self.most_steps, self.longest_step);
+        let least = (t_end - t) / most_steps as f64;
+        if longest_step >= least || self.fixed_step().is_some() {
+            return Ok(());
+        }
+        Err(Error::TooShortSteps {
+            longest_step,
+            least,
+            most_steps,
+            t_end,
+        })
+    }
+
     /// Checks every setting.
     ///
     /// # Errors
