@@ -209,6 +209,22 @@ pub enum Error {
         /// state moves by more than the tolerance within the rounding.
         bound: Option<&'static str>,
     },
+    /// A run needs more steps than are allowed, however long its steps may be.
+    #[error(
+        "longest_step = {} takes more than {most_steps} steps to t = {}: give at least {}, end the \
+            run earlier, or raise most_steps",
+        readable(*longest_step), readable(*t_end), readable(*least)
+    )]
+    TooShortSteps {
+        /// Longest step of the run.
+        longest_step: f64,
+        /// Least allowed value of it.
+        least: f64,
+        /// The most steps that are allowed.
+        most_steps: u64,
+        /// End of the run.
+        t_end: f64,
+    },
     /// A run is longer than allowed.
     #[error(
         "more than {most} {} by t = {t}, x = {x}: end the run earlier, or raise {name} if it is to \

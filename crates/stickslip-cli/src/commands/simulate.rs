@@ -73,6 +73,10 @@ fn followed(
     let t_end = arguments.t_end.or(system.built.t_end).ok_or_else(|| {
         Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
     })?;
+    // A jump may end the run earlier.
+    if system.file.jumps.iter().all(|jump| jump.most.is_none()) {
+        options.check_span(*t, t_end)?;
+    }
     let wanted = Wanted {
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,

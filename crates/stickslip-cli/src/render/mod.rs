@@ -13,6 +13,7 @@ use serde_json::{Map, Value as Json, json};
 use stickslip_model::file::System;
 
 pub(crate) use table::Table;
+use words::shortened;
 pub(crate) use words::{
     by_state, explained, input_name, place, significant_digits, state_words, within,
 };
@@ -126,9 +127,11 @@ impl Report {
         }
     }
 
-    /// Adds a line of text with a title, which may be empty.
+    /// Adds a line of text with a title, which may be empty. A text of very many characters, such
+    /// as a formula that another program wrote, is cut in the middle.
     pub(crate) fn line(&mut self, title: &str, text: impl Display) -> &mut Self {
         let (indent, width) = self.margin;
+        let text = shortened(text.to_string());
         // Writing to a string cannot fail.
         let _ = writeln!(self.text, "{:indent$}{title:width$}{text}", "");
         self

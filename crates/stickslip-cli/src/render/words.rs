@@ -56,6 +56,22 @@ pub(crate) fn place(value: f64, uncertainty: f64) -> String {
     }
 }
 
+/// Number of characters that a line shows at either end of a text that is longer than both. Chosen:
+/// some ten rows of a terminal.
+const SHOWN_CHARACTERS: usize = 1000;
+
+/// A text with the number of characters left out in the middle, where it has very many.
+pub(super) fn shortened(text: String) -> String {
+    let count = text.chars().count();
+    let left_out = count.saturating_sub(2 * SHOWN_CHARACTERS);
+    if left_out == 0 {
+        return text;
+    }
+    let begin: String = text.chars().take(SHOWN_CHARACTERS).collect();
+    let end: String = text.chars().skip(count - SHOWN_CHARACTERS).collect();
+    format!("{begin} … ({left_out} characters left out) … {end}")
+}
+
 /// A state as text.
 pub(crate) fn state_words(x: &[f64]) -> String {
     // Zero after rounding has no sign.

@@ -59,12 +59,13 @@ pub struct Grid {
 /// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use. If
 /// something else separates columns, a comma between digits is a decimal comma. Lines that start
 /// with `#` or `%` are skipped. The first line, or a comment directly above the numbers, may
-/// contain names. A NumPy array (`.npy`) has no names. A column named `t` or `time` is not a
-/// coordinate: it determines the time between two rows, or is compared with `dt` if that is given.
+/// contain names. A NumPy array (`.npy`) has no names. A column named `t` or `time`, or else one whose
+/// name ends in the word `time`, is not a coordinate: it determines the time between two rows, or is compared with `dt` if that is given.
 /// Without names, an evenly spaced first column is also the time, and one that rises unevenly is an
 /// error. Constant columns are left out.
 ///
-/// # Errors Input that is not a complete table of finite numbers, with line and column; a time
+/// # Errors
+/// Input that is not a complete table of finite numbers, with line and column; a time
 /// between rows that is neither given nor determined.
 pub fn read(
     path: &Path,
@@ -253,6 +254,10 @@ mod tests {
     fn headers_of_several_lines_and_units_are_read() {
         let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n\n\
             ***End_of_Header***\nX_Value\tu\tComment\n0.0\t1.5\n0.5\t2.5\n1.0\t3.0\n";
+        // As LabVIEW fills its lines with tabs.
+        let filled = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n\
+            Channels\t1\t\nSamples\t3\t\nX0\t0.0E+0\t\nDelta_X\t0.5\t\n***End_of_Header***\t\t\n\
+            X_Value\tu\tComment\n0.0\t1.5\t\n0.5\t2.5\t\n1.0\t3.0\t\n";
         for (text, names, values) in [
             (
                 "t,x\ns,V\n0,0.1\n1,0.2\n2,0.4\n",
@@ -266,6 +271,11 @@ mod tests {
             ),
             (
                 labview,
+                vec!["X_Value", "u"],
+                vec![0.0, 1.5, 0.5, 2.5, 1.0, 3.0],
+            ),
+            (
+                filled,
                 vec!["X_Value", "u"],
                 vec![0.0, 1.5, 0.5, 2.5, 1.0, 3.0],
             ),
@@ -288,6 +298,29 @@ mod tests {
                 .to_string()
                 .contains("line 2, column 2 (x)")
         );
+    }
+
+    #[test]
+    fn a_column_whose_name_ends_in_time_is_the_time_where_no_better_one_is() {
+        for name in [
+            "Elapsed time",
+            "elapsed_time (s)",
+            "Time (s)",
+            "time [ms]",
+            "T",
+        ] {
+            let table = read(&format!("x,{name}\n0,0\n3,0.5\n1,1\n"), None);
+            assert_eq!(
+                (&*table.names, table.dt),
+                (&["x".to_owned()][..], 0.5),
+                "{name}"
+            );
+        }
+        let table = read("reaction time,t\n3,0\n4,1\n1,2\n", None);
+        assert_eq!(table.names, ["reaction time"]);
+        // A name that only contains the word is no time.
+        let other = parse("f".into(), "x,timeout\n0,0\n3,0.5\n".as_bytes(), &[], None);
+        assert!(other.unwrap_err().to_string().contains("--dt is missing"));
     }
 
     #[test]

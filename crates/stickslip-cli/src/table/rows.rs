@@ -38,11 +38,20 @@ impl<'a> Rows<'a> {
         wanted: &[String],
     ) -> Result<Self, TableError> {
         // Names with a unit also count: "t (s)", "time [ms]".
-        let is_time = |name: &String| {
+        let plain = |name: &String| {
             let word = name.split(['(', '[', '/']).next().unwrap_or(name);
-            TIME.contains(&word.trim().to_lowercase().as_str())
+            word.trim().to_lowercase()
         };
-        let time = names.iter().flatten().position(is_time);
+        let is_time = |name: &String| TIME.contains(&plain(name).as_str());
+        // Without such a column, one that ends in the word does: "Elapsed time (s)".
+        let is_some_time = |name: &String| {
+            let name = plain(name);
+            name.rsplit([' ', '_', '-']).next() == Some("time")
+        };
+        let named = || names.iter().flatten();
+        let time = named()
+            .position(is_time)
+            .or_else(|| named().position(is_some_time));
         let mut rows = Self {
             input,
             count,

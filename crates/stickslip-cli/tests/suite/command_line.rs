@@ -335,6 +335,31 @@ fn what_was_understood_and_written_is_reported_as_json_too() {
 
 /// Files that integrate without errors but are probably not meant.
 #[test]
+fn a_formula_of_very_many_terms_is_shown_by_its_ends() {
+    let top = folder();
+    let system = |terms: usize| {
+        let sum = vec!["sin(x)"; terms].join(" + ");
+        let file = format!("name = \"s\"\n[states]\nx = \"\"\n[field]\nx = \"{sum} - 7*x\"\n");
+        std::fs::write(top.path().join("s.toml"), file).unwrap();
+    };
+    system(30_000);
+    let found = program(top.path())
+        .args(["check", "s.toml"])
+        .output()
+        .unwrap();
+    let found = String::from_utf8(found.stdout).unwrap();
+    assert!(found.len() < 3000, "{}", found.len());
+    // 30 000 terms of 9 characters, four at the end, and the name of the rate, without 2000.
+    assert!(found.contains(" (268011 characters left out) "), "{found}");
+    assert!(found.contains("dx/dt = sin(x) + sin(x)") && found.contains("sin(x) - 7*x\n"));
+    let whole = json(top.path(), &["check", "s.toml"]);
+    assert!(whole["field"][0]["rate"].as_str().unwrap().len() > 200_000);
+    system(200);
+    let short = program(top.path()).args(["check", "s.toml"]).assert();
+    short.stdout(contains("left out").not());
+}
+
+#[test]
 fn a_period_that_is_none_is_warned_of() {
     const DRIVEN: &str = r#"
 name = "driven"
@@ -1320,6 +1345,18 @@ end = 3
         doubt.contains("friction of tip is negative at t = 1, -"),
         "{doubt}"
     );
+    // Where a run fails, the error tells it: friction drives the slip there.
+    let failing = [
+        "--start", "x=0", "--start", "th=1", "--start", "v=-0.1", "--start", "om=0",
+    ];
+    for command in ["simulate", "orbit"] {
+        let mut run = program(top.path());
+        run.args([command, "rod.toml", "--out", "failed"])
+            .args(failing);
+        let told = contains("the step collapsed")
+            .and(contains("the friction of tip is negative at t = 0.05"));
+        run.assert().failure().stderr(told);
+    }
     // At 1 rad N is -57.7 as long as the tip slips to the left.
     let paradox = [
         "--start", "x=0", "--start", "th=1", "--start", "v=-0.1", "--start", "om=0",

@@ -53,6 +53,33 @@ fn figures_and_steps_can_be_left_out() {
 }
 
 #[test]
+fn steps_too_short_for_the_end_are_refused_at_once() {
+    let (_top, mut command) = program(IMPACT);
+    let clock = std::time::Instant::now();
+    command.args(["simulate", "system.toml", "--until", "2", "--longest-step"]);
+    command.arg("1e-20").assert().failure().stderr(contains(
+        "--longest-step 1e-20 takes more than 10000000 steps to t = 2: give at least 2e-7, end the \
+         run earlier, or raise --most-steps",
+    ));
+    assert!(clock.elapsed().as_secs() < 5);
+    // Just enough steps are allowed.
+    let (_top, mut command) = program(IMPACT);
+    command.args(["simulate", "system.toml", "--until", "2", "--no-figures"]);
+    let few = [
+        "--most-steps",
+        "1000",
+        "--out",
+        "out",
+        "--longest-step",
+        "0.002",
+    ];
+    command
+        .args(few)
+        .assert()
+        .stderr(contains("takes more than").not());
+}
+
+#[test]
 fn a_legend_without_room_costs_no_result() {
     let mut text =
         "name = \"s\"\n[time]\nend = 5\n[states]\nx = \"\"\n[discrete]\nn = 0\n".to_owned();

@@ -131,10 +131,20 @@ impl<'i, R: BufRead> TextTable<'i, R> {
     /// [`TableError`] for a line that is no text.
     pub fn row(&mut self) -> Result<Option<(u64, StringRecord)>, TableError> {
         if let Some((number, text)) = self.sample.next() {
-            return Ok(Some((number, self.dialect.cells(&text))));
+            let cells = self.dialect.cells(&text);
+            return Ok(Some((number, self.within_columns(cells))));
         }
         let next = self.lines.next()?;
-        Ok(next.map(|(number, text)| (number, self.dialect.cells(text))))
+        let next = next.map(|(number, text)| (number, self.dialect.cells(text)));
+        Ok(next.map(|(number, cells)| (number, self.within_columns(cells))))
+    }
+
+    /// The cells of a row without empty ones behind the columns, as of comments.
+    fn within_columns(&self, mut cells: StringRecord) -> StringRecord {
+        if cells.iter().skip(self.columns).all(str::is_empty) {
+            cells.truncate(self.columns);
+        }
+        cells
     }
 
     /// Number of the first blank line between rows. Lines of a header may be apart.
@@ -153,21 +163,31 @@ struct Header {
 
 impl Header {
     /// The header, where lines stand above the names or a line of units below them. Both have no
-    /// number and a cell for each column.
+    /// number and a cell for each column; above units, all columns have names. The last cells of a
+    /// row may be empty, as those of comments are.
     fn of(sample: &[(u64, String)], dialect: &Dialect) -> Option<Self> {
         let cells = |at: usize| Some(dialect.cells(&sample.get(at)?.1));
         let is_number = |cell: &&str| dialect.number(cell).is_some();
-        let mut lines = sample.iter().map(|(_, line)| dialect.cells(line));
-        let rows = lines.position(|row| row.iter().all(|cell| is_number(&cell)))?;
-        let columns = cells(rows)?.len();
-        let names_columns = |above: usize| {
-            let line = rows.checked_sub(above).and_then(cells);
-            line.is_some_and(|line| line.len() >= columns && !line.iter().any(|c| is_number(&c)))
+        let numbers = |row: StringRecord| {
+            let filled = (0..row.len()).rposition(|k| !row[k].is_empty())? + 1;
+            row.iter()
+                .take(filled)
+                .all(|cell| is_number(&cell))
+                .then_some(filled)
         };
-        let below = match (names_columns(1), names_columns(2)) {
-            (true, true) => 2,
-            (true, false) => 1,
-            _ => return None,
+        let lines = sample.iter().map(|(_, line)| numbers(dialect.cells(line)));
+        let (rows, columns) = lines.enumerate().find_map(|(k, n)| Some((k, n?)))?;
+        let above = |distance: usize| {
+            let line = rows.checked_sub(distance).and_then(cells)?;
+            let is_text = line.len() >= columns && !line.iter().any(|c| is_number(&c));
+            is_text.then_some(line)
+        };
+        above(1)?;
+        let has_names = |line: StringRecord| line.iter().take(columns).all(|name| !name.is_empty());
+        let below = if above(2).is_some_and(has_names) {
+            2
+        } else {
+            1
         };
         let names = rows - below;
         (rows > 1).then_some(Header {

@@ -371,3 +371,84 @@ fn watched_functions_change_no_bit_and_are_found_as_alone() {
         }
     }
 }
+
+#[test]
+fn two_jumps_of_one_function_happen_at_every_tooth() {
+    for order in [["reset", "twin"], ["twin", "reset"]] {
+        let set = |name: &str| match name {
+            "reset" => "v = \"0*v\"",
+            _ => "n = \"n + 1\"",
+        };
+        let jumps = order.map(|name| {
+            format!(
+                "[jumps.{name}]\nwhen = \"v - 0.3\"\ndirection = \"rising\"\nset = {{ {} }}\n",
+                set(name)
+            )
+        });
+        let text = format!(
+            "name = \"case\"\n[time]\nend = 1.95\n[states]\nv = \"\"\n[discrete]\nn = 0\n{}[field]\n\
+             v = \"1\"\n[start]\nv = 0\n",
+            jumps.concat()
+        );
+        for method in METHODS {
+            let (run, jumps) = simulated_by(&text, &options(method), None);
+            assert_eq!(
+                (end(&run, "n"), jumps.len()),
+                (6.0, 12),
+                "{method} {order:?}: {jumps:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_jump_far_from_its_zero_waits_for_the_kink_of_no_input() {
+    // The input multiplies nothing; the function is -0.1 where it steps.
+    let text = "name = \"case\"\n[time]\nend = 0.55\n[states]\nv = \"\"\n[discrete]\nn = 0\n\
+                [inputs.u]\nshape = \"table\"\npoints = [[0.5, 0], [0.5, 1]]\n\
+                [jumps.reset]\nwhen = \"v - 0.3\"\nset = { v = \"0*v\" }\n\
+                [jumps.twin]\nwhen = \"v - 0.3\"\nset = { n = \"n + 1\" }\n\
+                [field]\nv = \"1 + 0*u\"\n[start]\nv = 0\n";
+    for method in METHODS {
+        let (run, _) = simulated_by(text, &options(method), None);
+        assert_eq!(end(&run, "n"), 1.0, "{method}");
+    }
+}
+
+#[test]
+fn a_function_that_has_left_its_zero_is_carried_through_it_by_another_jump() {
+    let text = "name = \"case\"\n[time]\nend = 2\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nn = 0\n\
+                [jumps.wall]\nwhen = \"x - 0.6\"\ndirection = \"rising\"\nset = { v = \"-0.5*v\" }\n\
+                [jumps.level]\nwhen = \"v - 0.133\"\nset = { n = \"n + 1\" }\n\
+                [field]\nx = \"v\"\nv = \"1\"\n[start]\nx = 0\nv = 0\n";
+    let wall = f64::sqrt(1.2);
+    for method in METHODS {
+        let (run, jumps) = simulated_by(text, &options(method), None);
+        assert_eq!(end(&run, "n"), 3.0, "{method}: {jumps:?}");
+        let times = [0.133, wall, wall, 1.5 * wall + 0.133];
+        for ((t, ..), wanted) in jumps.iter().zip(times) {
+            assert!((t - wanted).abs() < 1e-11, "{method}: {jumps:?}");
+        }
+    }
+}
+
+#[test]
+fn a_ball_that_touches_the_next_one_passes_the_blow_on() {
+    let text = "name = \"case\"\n[time]\nend = 3\n[states]\nx1 = \"\"\nx2 = \"\"\nx3 = \"\"\n\
+                v1 = \"\"\nv2 = \"\"\nv3 = \"\"\n\
+                [jumps.first]\nwhen = \"x1 - x2\"\ndirection = \"rising\"\n\
+                set = { v1 = \"v2\", v2 = \"v1\" }\n\
+                [jumps.second]\nwhen = \"x2 - x3\"\ndirection = \"rising\"\n\
+                set = { v2 = \"v3\", v3 = \"v2\" }\n\
+                [field]\nx1 = \"v1\"\nx2 = \"v2\"\nx3 = \"v3\"\nv1 = \"0\"\nv2 = \"0\"\nv3 = \"0\"\n\
+                [start]\nx1 = -1\nx2 = 0\nx3 = 0\nv1 = 1\nv2 = 0\nv3 = 0\n";
+    for method in METHODS {
+        let (run, jumps) = simulated_by(text, &options(method), None);
+        assert_eq!(jumps.len(), 2, "{method}: {jumps:?}");
+        assert!((end(&run, "x3") - 2.0).abs() < 1e-11, "{method}");
+        assert_eq!(
+            (end(&run, "v1"), end(&run, "v2"), end(&run, "v3")),
+            (0.0, 0.0, 1.0)
+        );
+    }
+}

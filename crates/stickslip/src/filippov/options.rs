@@ -158,7 +158,7 @@ impl Default for Options {
 /// Smallest relative tolerance: a few units in the last place of a double.
 pub(crate) const MIN_TOLERANCE: f64 = 1e-15;
 /// Smallest absolute tolerance: those of smaller errors would lose digits.
-const MIN_ABSOLUTE: f64 = 1e-280;
+pub(crate) const MIN_ABSOLUTE: f64 = 1e-280;
 /// Largest tolerance. Chosen: above it a method of order 8 does not follow the solution.
 const MAX_TOLERANCE: f64 = 0.1;
 
@@ -234,6 +234,26 @@ impl Options {
             Method::Dop853 | Method::Taylor => None,
             Method::Rk4 { step } => Some(step),
         }
+    }
+
+    /// Checks that a run to a time that was asked for is possible within
+    /// [`Options::most_steps`]: all its steps are at most [`Options::longest_step`]. A run that may
+    /// end earlier, by an event say, needs no such check.
+    ///
+    /// # Errors
+    /// [`Error::TooShortSteps`].
+    pub fn check_span(&self, t: f64, t_end: f64) -> Result<(), Error> {
+        let (most_steps, longest_step) = (self.most_steps, self.longest_step);
+        let least = (t_end - t) / most_steps as f64;
+        if longest_step >= least || self.fixed_step().is_some() {
+            return Ok(());
+        }
+        Err(Error::TooShortSteps {
+            longest_step,
+            least,
+            most_steps,
+            t_end,
+        })
     }
 
     /// Checks every setting.
