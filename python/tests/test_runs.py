@@ -90,6 +90,48 @@ def test_events_do_not_change_the_orbit():
     assert all(len(found) > 3 for found in watched.t_events)
 
 
+def test_events_of_one_run_are_those_of_runs_of_their_own():
+    x, v = ss.states("x v")
+    events = [ss.event(x - 0.1 * k, direction=k % 3 - 1) for k in range(12)] + [x * v, v - 0.2]
+    together = ss.solve_ivp(belt_system(), (0, 40), [0.5, 0], events=events)
+    for one, found in zip(events, together.t_events):
+        alone = ss.solve_ivp(belt_system(), (0, 40), [0.5, 0], events=one)
+        assert np.array_equal(alone.t_events[0], found)
+    assert sum(map(len, together.t_events)) > 100
+
+
+def test_a_stop_ends_the_run_wherever_it_stands_in_the_list():
+    x = ss.state("x")
+    stop = ss.event(x - 0.5, terminal=True)
+    for events in ([ss.event(x - 0.2), stop], [stop, ss.event(x - 0.2)]):
+        sol = ss.solve_ivp(oscillator(), (0, 1e9), [0, 1], events=events)
+        assert sol.status == 1 and sol.t[-1] == pytest.approx(np.pi / 6, abs=1e-12)
+
+
+def test_a_run_goes_on_from_a_solution_with_the_bits_of_one_run():
+    x, v = ss.states("x v")
+    (n,) = ss.discrete(n=0.0)
+    # The function of the counter is left at zero: a plain state does not tell that it has counted.
+    count = ss.Jump("count", when=x, direction="rising", set={n: n + 1})
+    swing = ss.System({x: v, v: -x + 0 * n}, jumps=[count], start=[0, -1])
+    for method in ("taylor", "dop853"):
+        whole = ss.solve_ivp(swing, (0, 20), method=method)
+        cuts = [0, 1, np.pi, 3 * np.pi, 12.3, 12.4, 20]
+        sol = None
+        for begin, end in zip(cuts, cuts[1:]):
+            sol = ss.solve_ivp(swing, (begin, end), sol, method=method)
+            again = pickle.loads(pickle.dumps(sol))
+            assert np.array_equal(again.y, sol.y)
+        assert np.array_equal(sol.y[:, -1], whole.y[:, -1])
+    with pytest.raises(ValueError, match="another method, tolerance or option"):
+        ss.solve_ivp(swing, (20, 21), sol, method="taylor")
+    with pytest.raises(ValueError, match="t_span begins at 19"):
+        ss.solve_ivp(swing, (19, 21), sol, method="dop853")
+    stopped = ss.solve_ivp(swing, (0, 20), events=ss.event(v, terminal=True))
+    with pytest.raises(ValueError, match="has not reached its end time"):
+        ss.solve_ivp(swing, (stopped.t[-1], 21), stopped)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -190,6 +232,11 @@ def test_a_bouncing_ball_lands_when_it_must():
     # Both sides of a jump are in the result.
     first = np.flatnonzero(sol.t == sol.transitions["t"][0])
     assert len(first) == 2 and np.allclose(sol.y[1, first], [-10, 5])
+    assert np.array_equal(sol.transitions["y_before"][0], sol.y[:, first[0]])
+    assert np.array_equal(sol.transitions["y"][0], sol.y[:, first[1]])
+    # A run that ends at a jump ends behind it.
+    short = ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 1), [5, 0])
+    assert short.t[-1] == 1 and np.allclose(short.y[:, -1], [0, 5], rtol=0, atol=1e-13)
     with pytest.warns(ss.SolverWarning, match="at `bounce`.*what comes to rest needs a contact"):
         ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 4), [5, 0])
 

@@ -49,7 +49,50 @@ fn figures_and_steps_can_be_left_out() {
     let files = std::fs::read_dir(top.path().join("out")).unwrap();
     let mut files: Vec<_> = files.map(|file| file.unwrap().file_name()).collect();
     files.sort();
-    assert_eq!(files, ["phases.csv", "transitions.csv"]);
+    assert_eq!(files, ["end.json", "phases.csv", "transitions.csv"]);
+}
+
+#[test]
+fn a_run_goes_on_from_its_end() {
+    let (top, mut command) = program(IMPACT);
+    let at = |folder: &str| top.path().join(folder);
+    command.args(["simulate", "system.toml", "--until", "60", "--no-figures"]);
+    command.args(["--out", "whole"]).assert().success();
+    let run = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("stickslip").unwrap();
+        command.current_dir(top.path()).args(["simulate", "system.toml"]);
+        command.args(["--no-figures"]).args(arguments).assert()
+    };
+    run(&["--until", "20", "--out", "first"]).success();
+    let first = at("first");
+    let first = first.to_str().unwrap();
+    run(&["--until", "60", "--resume", first, "--out", "rest"]).success();
+    let last = |folder: &str| {
+        let steps = std::fs::read_to_string(at(folder).join("steps.csv")).unwrap();
+        steps.lines().last().unwrap().to_owned()
+    };
+    assert_eq!(last("rest"), last("whole"));
+    let rows = |folder: &str| {
+        let all = std::fs::read_to_string(at(folder).join("transitions.csv")).unwrap();
+        all.lines().count() - 1
+    };
+    assert_eq!(rows("first") + rows("rest"), rows("whole"));
+    // Another tolerance, another system, an earlier end, and what is no end of a run.
+    for (arguments, words) in [
+        (&["--until", "60", "--tol", "1e-6"][..], "--rtol is 1e-"),
+        (&["--until", "10"][..], "10"),
+        (&["--until", "60", "--start", "x=0"][..], "cannot be used with"),
+    ] {
+        let mut arguments = arguments.to_vec();
+        arguments.extend(["--resume", first, "--out", "refused"]);
+        run(&arguments).failure().stderr(contains(words));
+    }
+    let missing = ["--until", "60", "--resume", "nowhere"];
+    run(&missing).code(2).stderr(contains("nowhere cannot be read"));
+    std::fs::write(at("end.json"), "{}").unwrap();
+    run(&["--until", "60", "--resume", "end.json"])
+        .code(2)
+        .stderr(contains("is no end of a run"));
 }
 
 #[test]
