@@ -39,8 +39,8 @@ pub use integration::{Integration, Progress};
 pub use observer::{
     Observer, Phase, PhaseOf, StepRecord, Transition, TransitionKind, TransitionOf,
 };
-pub(crate) use options::MIN_TOLERANCE;
 pub use options::{AtPileUp, AtRepelling, Locator, Method, Options};
+pub(crate) use options::{MIN_ABSOLUTE, MIN_TOLERANCE};
 pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;

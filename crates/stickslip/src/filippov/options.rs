@@ -158,7 +158,7 @@ impl Default for Options {
 /// Smallest relative tolerance: a few units in the last place of a double.
 pub(crate) const MIN_TOLERANCE: f64 = 1e-15;
 /// Smallest absolute tolerance: those of smaller errors would lose digits.
-const MIN_ABSOLUTE: f64 = 1e-280;
+pub(crate) const MIN_ABSOLUTE: f64 = 1e-280;
 /// Largest tolerance. Chosen: above it a method of order 8 does not follow the solution.
 const MAX_TOLERANCE: f64 = 0.1;
 

@@ -107,12 +107,16 @@ impl Frame {
     fn gram_schmidt(&mut self, count: usize, least: f64) -> Option<Vec<f64>> {
         let mut lengths = vec![0.0; self.len()];
         let order = self.order();
-        let mut triangle = Matrix::zeros(count, count);
+        let living = self.living();
+        let images = |_: &Shadow| -> Vec<Vector> {
+            living.iter().map(|&j| self.columns[j].clone()).collect()
+        };
+        let images = self.shadow.as_ref().map(images);
         for (place, &j) in order.iter().take(count).enumerate() {
             let mut column = std::mem::take(&mut self.columns[j]);
             let size = column.norm();
-            for (above, &i) in order[..place].iter().enumerate() {
-                triangle[(above, place)] = take_out(&self.columns[i], &mut column);
+            for &i in &order[..place] {
+                take_out(&self.columns[i], &mut column);
             }
             let length = column.norm();
             // Without a normal square, a length has underflowed or overflowed.
@@ -121,11 +125,9 @@ impl Frame {
             }
             self.columns[j] = column / length;
             lengths[j] = length;
-            triangle[(place, place)] = length;
         }
-        let living = self.living();
-        if let Some(shadow) = &mut self.shadow {
-            shadow.carry(&living, &triangle);
+        if let Some((shadow, images)) = self.shadow.as_mut().zip(images) {
+            shadow.carry(&living, &images, (&self.columns, &lengths));
         }
         Some(lengths)
     }

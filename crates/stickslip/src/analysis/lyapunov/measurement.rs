@@ -7,10 +7,10 @@ use super::settings::SpectrumOptions;
 use super::spectrum::{Spectrum, uncertainties};
 use super::volume::growth;
 use crate::dynamics::{
-    Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
+    Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Section, Step, Summary, Transition, Vector,
 };
 use crate::error::{Error, Point};
-use crate::filippov::TransitionKind;
+use crate::filippov::{MIN_ABSOLUTE, TransitionKind};
 use crate::math;
 
 /// Part of a vector across the boundary of a sticking contact that may stay, as a fraction of its
@@ -32,7 +32,10 @@ const NARROW_TRANSITIONS: usize = 4;
 /// The frame and its sums.
 pub(super) struct Measurement<'a> {
     tangent: Tangent<'a>,
-    settings: &'a SpectrumOptions,
+    /// The solver's absolute tolerance may be refined.
+    pub(super) settings: SpectrumOptions,
+    /// Largest size of the state since the tolerance was refined; `None` where that is not wanted.
+    largest: Option<f64>,
     frame: Frame,
     growth: Growth,
     /// Logarithm of the volume spanned by the surviving vectors, by Liouville's formula. It has a
@@ -56,17 +59,19 @@ pub(super) struct Measurement<'a> {
 }
 
 impl<'a> Measurement<'a> {
-    /// A measurement of the largest exponents, so many of them.
+    /// A measurement of the largest exponents, so many of them. With `refines`, the absolute
+    /// tolerance follows the size of the state.
     pub(super) fn new(
         system: &'a dyn Dynamics,
-        settings: &'a SpectrumOptions,
-        count: usize,
+        settings: SpectrumOptions,
+        (count, refines): (usize, bool),
     ) -> Self {
         Measurement {
             tangent: Tangent::new(system, &settings.solver),
-            settings,
+            largest: refines.then_some(0.0),
             frame: Frame::generic(system.states(), count),
-            growth: Growth::new(count, 0.0, settings),
+            growth: Growth::new(count, 0.0, &settings),
+            settings,
             log_volume: 0.0,
             divergence: 0.0,
             narrow: (
@@ -92,7 +97,7 @@ impl<'a> Measurement<'a> {
         if let Some(shadow) = &mut self.frame.shadow {
             shadow.begin_measuring();
         }
-        self.growth = Growth::new(self.frame.len(), t, self.settings);
+        self.growth = Growth::new(self.frame.len(), t, &self.settings);
         self.log_volume = 0.0;
         self.divergence = 0.0;
         self.stick_time = 0.0;
@@ -185,6 +190,33 @@ impl<'a> Measurement<'a> {
         }
         self.log_volume += math::ln(before / self.frame.height(kernel));
         Some(())
+    }
+
+    /// Whether the state has become so small that half the digits of its relative tolerance are
+    /// lost in the absolute one.
+    pub(super) fn is_to_be_refined(&mut self, step: &Step) -> bool {
+        let solver = &self.settings.solver;
+        let size = step.x_start.amax();
+        self.largest.as_mut().is_some_and(|largest| {
+            *largest = largest.max(size);
+            let is_small = size < solver.rtol.sqrt() * *largest;
+            is_small && solver.atol > MIN_ABSOLUTE && !step.mode.any_sticks()
+        })
+    }
+
+    /// The orbit from here on, with an absolute tolerance that has fallen as the state has.
+    pub(super) fn refine(
+        &mut self,
+        at: &Moment,
+        t_end: f64,
+    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
+        let size = at.x.amax();
+        let solver = &mut self.settings.solver;
+        if let Some(largest) = self.largest.replace(size) {
+            solver.atol = (solver.atol * (size / largest)).max(MIN_ABSOLUTE);
+        }
+        let system = self.tangent.system;
+        system.begin(at, t_end, solver, &Section::None)
     }
 
     fn enter_stick(&mut self, jump: &Jump) -> Option<()> {

@@ -145,10 +145,19 @@ fn measured_alone(
     settings: &SpectrumOptions,
     count: usize,
 ) -> Result<Spectrum, Error> {
-    let begin = |at: &Moment, t_end: f64, options: &Options| {
-        system.begin(at, t_end, options, &Section::None)
+    let run = |refines: bool| {
+        let begin = |at: &Moment, t_end: f64, options: &Options| {
+            system.begin(at, t_end, options, &Section::None)
+        };
+        measured(system, start.clone(), (settings, count, refines), begin)
     };
-    measured(system, start, (settings, count), begin)
+    match run(false) {
+        Err(shrunk @ Error::Shrunk { .. }) => match run(true) {
+            Err(error) if !matches!(error, Error::Shrunk { .. }) => Err(shrunk),
+            refined => refined,
+        },
+        result => result,
+    }
 }
 
 /// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
@@ -192,34 +201,41 @@ where
 {
     let start = Moment { t, x: x.vector() };
     let dynamics = Typed::<&S, S, _, _, _, N, G>::new(system);
-    let spectrum = measured(&dynamics, start, (settings, N), |at, t_end, options| {
-        observed(system, (at, t_end), options, &mut watcher)
-    });
+    let spectrum = measured(
+        &dynamics,
+        start,
+        (settings, N, false),
+        |at, t_end, options| observed(system, (at, t_end), options, &mut watcher),
+    );
     whole(spectrum?)
 }
 
-/// The spectrum of so many vectors; `begin` begins the measured part of the run.
+/// The spectrum of so many vectors; `begin` begins the measured part of the run. With `refines`,
+/// the absolute tolerance follows a decay to zero: linear parts decide the exponents there unless a
+/// boundary passes through zero, and then directions do.
 fn measured<'a>(
     system: &dyn Dynamics,
     mut start: Moment,
-    (settings, count): (&SpectrumOptions, usize),
+    (settings, count, refines): (&SpectrumOptions, usize, bool),
     begin: impl FnOnce(&Moment, f64, &Options) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>,
 ) -> Result<Spectrum, Error> {
     settings.check()?;
     // At an equilibrium, one step would be as long as all blocks.
     let block = settings.duration / settings.blocks as f64;
     let solver = settings.solver;
-    let settings = &settings.solver(solver.longest_step(solver.longest_step.min(block)));
-    let mut measurement = Measurement::new(system, settings, count);
+    let settings = settings.solver(solver.longest_step(solver.longest_step.min(block)));
+    let mut measurement = Measurement::new(system, settings, (count, refines));
     if settings.transient > 0.0 {
         let t_end = start.t + settings.transient;
-        let mut orbit = system.begin(&start, t_end, &settings.solver, &Section::None)?;
-        let Summary { t, x, .. } = follow(&mut *orbit, &mut measurement)?;
+        let mut orbit =
+            system.begin(&start, t_end, &measurement.settings.solver, &Section::None)?;
+        let Summary { t, x, .. } = follow(&mut orbit, t_end, &mut measurement)?;
         start = Moment { t, x };
     }
     measurement.begin_measuring(start.t);
-    let mut orbit = begin(&start, start.t + settings.duration, &settings.solver)?;
-    match follow(&mut *orbit, &mut measurement) {
+    let t_end = start.t + settings.duration;
+    let mut orbit = begin(&start, t_end, &measurement.settings.solver)?;
+    match follow(&mut orbit, t_end, &mut measurement) {
         Ok(summary) => Ok(measurement.finish(summary, None)),
         Err(error @ (Error::Interrupted { .. } | Error::Shrunk { .. })) => Err(error),
         Err(error) => match measurement.reached(2.0 * block) {
@@ -244,13 +260,29 @@ fn whole(spectrum: Spectrum) -> Result<Spectrum, Error> {
 }
 
 /// Integrates an orbit with the frame.
-fn follow(
-    orbit: &mut dyn OrbitUnderWay,
-    measurement: &mut Measurement<'_>,
+///
+/// Where the measurement refines its tolerance, another orbit continues from the middle of a step,
+/// which lies on no boundary.
+fn follow<'a>(
+    orbit: &mut Box<dyn OrbitUnderWay + 'a>,
+    t_end: f64,
+    measurement: &mut Measurement<'a>,
 ) -> Result<Summary, Error> {
     loop {
         match orbit.step()? {
-            OrbitProgress::Step => measurement.step(&orbit.last_step(), orbit)?,
+            OrbitProgress::Step => {
+                let mut step = orbit.last_step();
+                let is_refined = measurement.is_to_be_refined(&step);
+                if is_refined {
+                    let t = 0.5 * (step.t_start + step.t_end);
+                    let x = orbit.solution()(t);
+                    step = step.cut(&Moment { t, x });
+                }
+                measurement.step(&step, &mut **orbit)?;
+                if is_refined {
+                    *orbit = measurement.refine(&step.end(), t_end)?;
+                }
+            }
             OrbitProgress::Transition(at) => measurement.transition(&at)?,
             OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
             OrbitProgress::End(summary) if summary.ending.is_final() => {

@@ -1,7 +1,7 @@
 //! What rounding does to a frame.
 
 use super::frame::take_out;
-use crate::dynamics::{Matrix, Vector};
+use crate::dynamics::Vector;
 use crate::math;
 use numerics::SplitMix;
 
@@ -10,6 +10,10 @@ const LARGEST: f64 = 1e-4;
 
 /// A second frame that is carried by the same maps and disturbed at random after each. The
 /// difference of its exponents bounds the effect of rounding.
+///
+/// A component is disturbed relative to the terms of which it is the sum, as rounding does. Where
+/// the components of vectors have very different sizes, as in a chain along the axes, the small
+/// ones keep their digits.
 ///
 /// Rounding `ε` changes `n` equal exponents that are coupled in a chain by up to `ε^(1/n)`, where
 /// it changes separate ones by `ε`. It has disturbed the first frame already. A disturbance of
@@ -52,39 +56,62 @@ impl Shadow {
         self.excess.fill(0.0);
     }
 
-    /// Carries the frame by a map that is triangular in the living vectors of the first frame,
-    /// before and after. Where some of those were annihilated, it begins at the others.
-    pub(super) fn carry(&mut self, living: &[usize], triangle: &Matrix) {
+    /// Carries the frame by a map of which the images of the first frame's living vectors are known.
+    /// `frame` is the first frame after it, with the lengths that remained. Where some of its
+    /// vectors were annihilated, the second frame begins at the others.
+    pub(super) fn carry(
+        &mut self,
+        living: &[usize],
+        images: &[Vector],
+        (frame, lengths): (&[Vector], &[f64]),
+    ) {
         let count = living.len();
         if self.columns.len() != count {
             self.columns = (0..count)
                 .map(|j| crate::analysis::cycle::unit(count, j))
                 .collect();
         }
-        let map = triangle.view((0, 0), (count, count));
         let size = self.disturbance();
         let mut done: Vec<Vector> = Vec::with_capacity(count);
-        let mut lengths = Vec::with_capacity(count);
-        for column in &self.columns {
-            let mut image = map * column;
-            let by = size * image.norm();
-            for part in image.iter_mut() {
-                *part += self.random.between(-by, by);
+        let mut growth = Vec::with_capacity(count);
+        for (column, &j) in self.columns.iter().zip(living) {
+            let mut image = Vector::zeros(self.states);
+            let mut terms = image.clone();
+            let mut add = |image: &mut Vector, vector: &Vector, part: f64| {
+                for ((image, term), v) in image.iter_mut().zip(terms.iter_mut()).zip(vector.iter())
+                {
+                    *image += part * v;
+                    *term += (part * v).abs();
+                }
+            };
+            for (vector, &part) in images.iter().zip(column) {
+                add(&mut image, vector, part);
+            }
+            for before in &done {
+                let part = before.dot(&image);
+                add(&mut image, before, -part);
+            }
+            for (part, term) in image.iter_mut().zip(&terms) {
+                *part += self.random.between(-size * term, size * term);
             }
             for before in &done {
                 take_out(before, &mut image);
             }
             let length = image.norm();
             done.push(image / length);
-            lengths.push(length);
+            growth.push(length / lengths[j]);
         }
-        if !lengths.iter().all(|length| length.is_normal()) {
+        if !growth.iter().all(|growth| growth.is_normal()) {
             self.columns.clear();
             return;
         }
-        self.columns = done;
-        for (place, &j) in living.iter().enumerate() {
-            self.excess[j] += math::ln(lengths[place] / triangle[(place, place)]);
+        let along = |vector: &Vector| {
+            let parts = living.iter().map(|&j| frame[j].dot(vector));
+            Vector::from_iterator(count, parts)
+        };
+        self.columns = done.iter().map(along).collect();
+        for (&j, growth) in living.iter().zip(growth) {
+            self.excess[j] += math::ln(growth);
         }
     }
 

@@ -103,7 +103,8 @@ pub struct Spectrum {
     pub stick_fraction: f64,
     /// Time measured.
     pub duration: f64,
-    /// How and where the measured run ended, and its work.
+    /// How and where the measured run ended, and its work. Where the absolute tolerance followed a
+    /// decay to an equilibrium on a boundary, that is the work since it last did.
     pub summary: Summary,
 }
 
