@@ -1345,6 +1345,18 @@ end = 3
         doubt.contains("friction of tip is negative at t = 1, -"),
         "{doubt}"
     );
+    // Where a run fails, the error tells it: friction drives the slip there.
+    let failing = [
+        "--start", "x=0", "--start", "th=1", "--start", "v=-0.1", "--start", "om=0",
+    ];
+    for command in ["simulate", "orbit"] {
+        let mut run = program(top.path());
+        run.args([command, "rod.toml", "--out", "failed"])
+            .args(failing);
+        let told = contains("the step collapsed")
+            .and(contains("the friction of tip is negative at t = 0.05"));
+        run.assert().failure().stderr(told);
+    }
     // At 1 rad N is -57.7 as long as the tip slips to the left.
     let paradox = [
         "--start", "x=0", "--start", "th=1", "--start", "v=-0.1", "--start", "om=0",

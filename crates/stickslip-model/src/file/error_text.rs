@@ -5,6 +5,7 @@ use stickslip::Error;
 use stickslip::error::{ContactFault, Point, pile_up_in_words, readable};
 
 use super::System;
+use crate::study::negative_at;
 
 /// How an interface writes options.
 pub trait Interface {
@@ -17,8 +18,21 @@ pub trait Interface {
     /// Advice for a Newton iteration that did not converge, after "start nearer to the solution".
     fn nearer(&self) -> &'static str;
 
-    /// An error in words, with the names of the system's contacts if it is known.
+    /// An error in words, with the names of the system's contacts if it is known. Friction that is
+    /// negative at the place of the error is likely its cause, and is told.
     fn words(&self, error: &Error, system: Option<&System>) -> String {
+        let words = self.words_of_error(error, system);
+        let negative = system.zip(error.place()).and_then(|(system, (t, x))| {
+            (0..system.contacts()).find_map(|at| negative_at(system, at, (t, &x.0)))
+        });
+        match negative {
+            Some(negative) => format!("{words}; {negative}"),
+            None => words,
+        }
+    }
+
+    /// An error in words, without its cause.
+    fn words_of_error(&self, error: &Error, system: Option<&System>) -> String {
         let name = |contact: usize| match system.map(|system| system.contact_name(contact)) {
             Some(name) if !name.is_empty() => format!("`{name}`"),
             _ => contact.to_string(),

@@ -85,7 +85,7 @@ fn sizes(system: &System, tape: &Tape, t: f64, x: &[f64]) -> Vec<f64> {
 }
 
 /// The warning of a friction law that is negative at a moment, on either side of a boundary there.
-pub(super) fn negative_at(
+pub(crate) fn negative_at(
     system: &System,
     contact: usize,
     (t, x): (f64, &[f64]),

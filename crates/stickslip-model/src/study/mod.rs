@@ -20,6 +20,7 @@ pub use diagram::{AtValue, Diagram};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};
 pub use extremes::extremes;
 pub use friction::FrictionWatch;
+pub(crate) use friction::negative_at;
 pub use phases::phases_of_period;
 pub use reached::reported;
 pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};
