@@ -75,9 +75,12 @@ pub(super) fn typeset(text: &str) -> Markup {
     let escape = |text: &str| html! { (text) }.into_string();
     let (mut set, mut rest, mut before) = (String::new(), text, ' ');
     while let Some(first) = rest.chars().next() {
-        let found = match before.is_alphanumeric() || "_.^\\".contains(before) {
-            true => None,
-            false => symbol(rest),
+        let found = match before {
+            ')' => {
+                power(rest).map(|(power, length)| (html! { sup { (power) } }.into_string(), length))
+            }
+            _ if before.is_alphanumeric() || "_.^\\".contains(before) => None,
+            _ => symbol(rest),
         };
         let length = match found {
             Some((markup, length)) => {
@@ -116,23 +119,11 @@ fn symbol(text: &str) -> Option<(String, usize)> {
         }
         _ => &text[letters..digits],
     };
-    // A single letter without an index is a word or set by the text itself.
-    if index.is_empty() && name == set {
+    let power = power(&text[length..]);
+    // A single letter without index and power is a word or set by the text itself.
+    if index.is_empty() && name == set && power.is_none() {
         return None;
     }
-    let power = text[length..]
-        .strip_prefix('^')
-        .and_then(|power| match power.strip_prefix('(') {
-            Some(inner) => inner
-                .split_once(')')
-                .map(|(inner, _)| (format!("({inner})"), inner.len() + 3)),
-            None => {
-                let digits = power
-                    .find(|c: char| !c.is_ascii_digit())
-                    .unwrap_or(power.len());
-                (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
-            }
-        });
     let power_length = power.as_ref().map_or(0, |(_, length)| *length);
     if text[length + power_length..].starts_with(char::is_alphanumeric) {
         return None;
@@ -142,6 +133,18 @@ fn symbol(text: &str) -> Option<(String, usize)> {
         @if let Some((power, _)) = &power { sup { (power) } }
     };
     Some((markup.into_string(), length + power_length))
+}
+
+/// The power at the begin of a text, and its length there: digits, or text in brackets.
+fn power(text: &str) -> Option<(String, usize)> {
+    let power = text.strip_prefix('^')?;
+    if let Some(inner) = power.strip_prefix('(') {
+        let (inner, _) = inner.split_once(')')?;
+        return Some((format!("({inner})"), inner.len() + 3));
+    }
+    let digits = power.find(|c: char| !c.is_ascii_digit());
+    let digits = digits.unwrap_or(power.len());
+    (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
 }
 
 /// The head of a table.
@@ -168,6 +171,10 @@ mod tests {
             (
                 "vp, nk > ni",
                 "<i>v</i><sub>p</sub>, <i>n</i><sub>k</sub> &gt; <i>n</i><sub>i</sub>",
+            ),
+            (
+                "(x1^3 - x)^2 - z^3 (a) ^2",
+                "(<i>x</i><sub>1</sub><sup>3</sup> - x)<sup>2</sup> - <i>z</i><sup>3</sup> (a) ^2",
             ),
             ("λ1 of sigma", "<i>λ</i><sub>1</sub> of <i>σ</i>"),
             (
