@@ -97,8 +97,8 @@ pub struct ExponentCheck {
     pub published: f64,
     /// Sign of the exponent from the corrected equations; zero within its error.
     pub sign: Sign,
-    /// Whether the equations give −∞.
-    pub annihilated: bool,
+    /// Value by the corrected equations and its standard error; `None` where it is −∞.
+    pub equations: Option<[f64; 2]>,
     /// Over all settings.
     pub range: SettingsRange,
     /// Over those with Eq. (25) as printed, which has no affine term.
@@ -118,6 +118,16 @@ impl ExponentCheck {
             self.published + half >= least && self.published - half <= largest
         };
         self.range.widened().is_some_and(meets)
+    }
+
+    /// Whether the widened range and the value by the equations, with as many of its standard
+    /// errors, have no number in common.
+    pub fn data_disagree(&self) -> bool {
+        let apart = |([least, largest], [value, error]): ([f64; 2], [f64; 2])| {
+            let error = SettingsRange::STANDARD_ERRORS * error;
+            value + error < least || value - error > largest
+        };
+        self.range.widened().zip(self.equations).is_some_and(apart)
     }
 
     /// Evidence of the settings on the published digits.
@@ -163,13 +173,17 @@ impl ExponentCheck {
             }
             (None, _) => "the published sign is that of the equations".into(),
         };
-        let annihilated = match self.annihilated {
-            true => {
-                "; the equations give −∞, which no estimate from data can: only the sign is judged"
-            }
-            false => "",
+        let equations = match self.equations {
+            None => "; the equations give −∞, which no estimate from data can: only the sign is \
+                     judged"
+                .to_owned(),
+            Some([value, _]) if self.data_disagree() => format!(
+                "; data and equations disagree: the equations give {}",
+                rounded(value)
+            ),
+            Some(_) => String::new(),
         };
-        format!("{all}; {says}{annihilated}; {linear}")
+        format!("{all}; {says}{equations}; {linear}")
     }
 }
 
@@ -204,7 +218,7 @@ mod tests {
         ExponentCheck {
             published,
             sign,
-            annihilated: false,
+            equations: None,
             range,
             linear: range,
         }
@@ -237,6 +251,35 @@ mod tests {
         let sentence = |published| of(published, Sign::Negative, wide).sentence(claim);
         assert!(sentence(-0.0015).contains("lie in that range"));
         assert!(sentence(7.0).contains("no setting tried"));
+    }
+
+    #[test]
+    fn data_and_equations_disagree_where_their_ranges_are_apart() {
+        let claims = crate::paper::published::Claims::committed().unwrap();
+        let claim = claims.of(crate::paper::claim_id::ClaimId::Fig10Lambda2);
+        // Two standard errors of either widen the range to 2e-5 beyond its ends, and the value.
+        let says = |ends, value| ExponentCheck {
+            equations: Some([value, 1e-4]),
+            ..of(-0.0049, Sign::Negative, ends)
+        };
+        let data = Some([-0.002, -0.001]);
+        for (value, expected) in [
+            (-0.01144, true),
+            (-0.00223, true),
+            (-0.00221, false),
+            (-0.0015, false),
+            (-0.00079, false),
+            (-0.00077, true),
+        ] {
+            let check = says(data, value);
+            assert_eq!(check.data_disagree(), expected, "{value}");
+            let word = check
+                .sentence(claim)
+                .contains("data and equations disagree");
+            assert_eq!(word, expected);
+            // Where no setting identifies it, there is nothing to compare.
+            assert!(!says(None, value).data_disagree());
+        }
     }
 
     #[test]

@@ -21,8 +21,6 @@ use crate::paper::published::{Claim, Claims, Digits};
 use crate::paper::reading::{Reading, Role};
 use crate::readings::ZERO_SIZE;
 use crate::terminal::ProgramError;
-use crate::text::joined;
-use stickslip::analysis::Exponent;
 use stickslip_series::Status;
 
 /// One claim, the findings of all readings, and the verdict.
@@ -223,7 +221,7 @@ impl Ledger {
             verdict: Verdict::of(claim.kind, &findings, &corrections),
             corrections,
             exponent,
-            further: self.further(claim, &findings, exponent),
+            further: self.further(claim, exponent),
             claim: claim.clone(),
             findings,
         }
@@ -238,11 +236,24 @@ impl Ledger {
             None => return None,
         };
         let data = &self.computed.bracket[figure as usize];
-        let annihilated = data.exact.spectrum.exponents[place] == Exponent::Annihilated;
+        let exponents = &data.exact.spectrum.exponents;
+        let finite = |k: usize| Some((exponents[k].value(), exponents[k].std_error()?));
+        let equations = match id {
+            ClaimId::Fig12Ratio => {
+                finite(0)
+                    .zip(finite(2))
+                    .map(|((first, of_first), (third, of_third))| {
+                        let ratio = first / third;
+                        let relative = of_first / first.abs() + of_third / third.abs();
+                        [ratio, ratio.abs() * relative]
+                    })
+            }
+            _ => finite(place).map(|(value, error)| [value, error]),
+        };
         Some(ExponentCheck {
             published: claims.value(id),
             sign: signs(data)[place],
-            annihilated,
+            equations,
             range: self.spread.range(of, spread::any),
             linear: self.spread.range(of, spread::as_printed),
         })
@@ -302,12 +313,7 @@ impl Ledger {
     }
 
     /// Lines of evidence besides the findings.
-    fn further(
-        &self,
-        claim: &Claim,
-        findings: &[Finding],
-        exponent: Option<ExponentCheck>,
-    ) -> Vec<String> {
+    fn further(&self, claim: &Claim, exponent: Option<ExponentCheck>) -> Vec<String> {
         let Spread { search, .. } = &self.spread;
         let confirmed_statements = |met: usize, what: &str| {
             let all = search.spread[0][0].settings;
@@ -384,20 +390,6 @@ impl Ledger {
             id => {
                 let mut lines: Vec<String> =
                     exponent.iter().map(|one| one.sentence(claim)).collect();
-                // Identified by the data, and not the value of the equations.
-                if findings
-                    .iter()
-                    .any(|one| one.note.as_deref() == Some("biased"))
-                {
-                    let values = findings
-                        .iter()
-                        .filter(|one| one.reading.role() == Role::Corrected);
-                    let values = joined(
-                        values.map(|one| format!("{} {}", one.reading, one.text())),
-                        ", ",
-                    );
-                    lines.push(format!("equations and sampled motion disagree: {values}"));
-                }
                 let digits = id.exponent();
                 lines.extend(digits.map(|(f, k)| self.spread.digits_sentence(f as usize, k)));
                 lines
