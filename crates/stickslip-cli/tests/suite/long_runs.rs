@@ -60,7 +60,9 @@ fn a_run_goes_on_from_its_end() {
     command.args(["--out", "whole"]).assert().success();
     let run = |arguments: &[&str]| {
         let mut command = assert_cmd::Command::cargo_bin("stickslip").unwrap();
-        command.current_dir(top.path()).args(["simulate", "system.toml"]);
+        command
+            .current_dir(top.path())
+            .args(["simulate", "system.toml"]);
         command.args(["--no-figures"]).args(arguments).assert()
     };
     run(&["--until", "20", "--out", "first"]).success();
@@ -81,14 +83,19 @@ fn a_run_goes_on_from_its_end() {
     for (arguments, words) in [
         (&["--until", "60", "--tol", "1e-6"][..], "--rtol is 1e-"),
         (&["--until", "10"][..], "10"),
-        (&["--until", "60", "--start", "x=0"][..], "cannot be used with"),
+        (
+            &["--until", "60", "--start", "x=0"][..],
+            "cannot be used with",
+        ),
     ] {
         let mut arguments = arguments.to_vec();
         arguments.extend(["--resume", first, "--out", "refused"]);
         run(&arguments).failure().stderr(contains(words));
     }
     let missing = ["--until", "60", "--resume", "nowhere"];
-    run(&missing).code(2).stderr(contains("nowhere cannot be read"));
+    run(&missing)
+        .code(2)
+        .stderr(contains("nowhere cannot be read"));
     std::fs::write(at("end.json"), "{}").unwrap();
     run(&["--until", "60", "--resume", "end.json"])
         .code(2)

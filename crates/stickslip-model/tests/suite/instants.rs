@@ -452,3 +452,28 @@ fn a_ball_that_touches_the_next_one_passes_the_blow_on() {
         );
     }
 }
+
+#[test]
+fn a_jump_on_the_surface_of_a_contact_happens_as_the_contact_sticks() {
+    // The jump leaves the state on the surface, where the contact sticks.
+    let mut draw = SplitMix::new(163);
+    for _ in 0..40 {
+        let (u, w, p) = (
+            draw.between(-0.4, 0.4),
+            draw.between(0.5, 3.0),
+            draw.between(0.0, 6.0),
+        );
+        let text = format!(
+            "name = \"case\"\n[time]\nend = 1.5\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nn = 0\n\
+             [contacts.c]\nboundary = \"v - {u}\"\nfriction = \"0.65\"\n\
+             [jumps.j]\nwhen = \"v - {u}\"\nset = {{ n = \"n + 1\" }}\n[field]\nx = \"v\"\n\
+             v = \"0.3*sin({w}*t + {p}) - 0.5*x - friction(c)\"\n[start]\nx = 0.1\nv = {}\n",
+            u - 0.2
+        );
+        for method in METHODS {
+            let (run, jumps) = simulated_by(&text, &options(method), None);
+            assert_eq!(jumps.len(), 1, "{method}: {text}");
+            assert_eq!(end(&run, "n"), 1.0, "{method}: {text}");
+        }
+    }
+}

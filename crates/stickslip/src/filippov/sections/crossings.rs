@@ -110,8 +110,9 @@ where
         if self.side == 0.0 || !self.over.is_smooth() || !stays_positive(&heights) {
             return false;
         }
-        let blur = [0, NODES - 1].map(|node| self.over.rounding_at_node(node));
-        heights[0] > blur[0] && heights[NODES - 1] > blur[1]
+        // The dense output does not have the zero at which a phase ends.
+        let is_beyond = |(value, blur): (f64, f64)| self.side * value > blur;
+        heights[0] > self.over.rounding_at_start() && is_beyond(self.over.end())
     }
 
     #[cold]

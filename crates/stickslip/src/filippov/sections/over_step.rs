@@ -182,9 +182,16 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         self.rounding(&probe.at)
     }
 
-    /// Rounding of the function at a zero near one of [`UNIT_NODES`].
-    pub(super) fn rounding_at_node(&self, node: usize) -> f64 {
-        self.rounding(&self.over.nodes()[node])
+    /// Rounding of the function at a zero near the step's start.
+    pub(super) fn rounding_at_start(&self) -> f64 {
+        self.rounding(&self.over.nodes()[0])
+    }
+
+    /// The function at the step's end, and its rounding at a zero near there.
+    pub(super) fn end(&self) -> (f64, f64) {
+        let StepRecord { t_end, x_end, .. } = *self.step();
+        let at = Timed { t: t_end, x: x_end };
+        (self.value(&at), self.rounding(&at))
     }
 
     fn rounding(&self, at: &Timed<N>) -> f64 {
