@@ -356,7 +356,11 @@ fn watched_functions_change_no_bit_and_are_found_as_alone() {
             };
             let (all, none) = (run(&sections), run(&[]));
             assert_eq!(all.transitions, none.transitions);
-            assert_eq!(all.ended, none.ended);
+            let end = |run: &Run| {
+                let ended = run.ended.as_ref().unwrap();
+                (ended.ending, ended.t, ended.x.clone())
+            };
+            assert_eq!(end(&all), end(&none));
             assert!(none.passages.is_empty() && all.passages.len() > 20);
             assert!(all.passages.is_sorted_by(|one, other| one.t <= other.t));
             for (number, section) in sections.iter().enumerate() {
@@ -405,7 +409,7 @@ fn two_jumps_of_one_function_happen_at_every_tooth() {
 fn a_jump_far_from_its_zero_waits_for_the_kink_of_no_input() {
     // The input multiplies nothing; the function is -0.1 where it steps.
     let text = "name = \"case\"\n[time]\nend = 0.55\n[states]\nv = \"\"\n[discrete]\nn = 0\n\
-                [inputs.u]\nshape = \"table\"\npoints = [[0.5, 0], [0.5, 1]]\n\
+                [inputs.u]\nshape = \"table\"\ntimes = [0, 0.5, 0.5, 1]\nvalues = [0, 0, 1, 1]\n\
                 [jumps.reset]\nwhen = \"v - 0.3\"\nset = { v = \"0*v\" }\n\
                 [jumps.twin]\nwhen = \"v - 0.3\"\nset = { n = \"n + 1\" }\n\
                 [field]\nv = \"1 + 0*u\"\n[start]\nv = 0\n";

@@ -387,7 +387,9 @@ where
                 // As at a start, one that goes in its direction from now on is due.
                 let now = self.search.side(number);
                 let turns = self.search.stands_at_zero(number) && now != side;
-                if turns && self.goes(number, now) {
+                // A rate may be rounding.
+                let departs = || self.search.sign_of_departure(number, integration);
+                if turns && self.goes(number, now) && departs() == now {
                     self.due.push_back(Due::at_once(number));
                 }
                 continue;

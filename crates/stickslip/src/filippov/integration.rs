@@ -226,8 +226,15 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// prepared. Returns what happened, or `None` if a step was prepared.
     #[inline(always)]
     pub(crate) fn go_on(&mut self) -> Result<Option<Progress<N, S::Mode>>, Error> {
-        if std::mem::take(&mut self.is_ready) && self.advance()? {
-            return Ok(Some(Progress::Step));
+        if std::mem::take(&mut self.is_ready) {
+            if self.advance()? {
+                return Ok(Some(Progress::Step));
+            }
+            if self.is_before_end {
+                // The same attempt follows, with the series that is expanded already.
+                self.is_ready = true;
+                return Ok(None);
+            }
         }
         self.is_ready = self.prepare()?;
         if self.is_ready {
