@@ -111,9 +111,7 @@ fn with_mode<S: Switched<N, G>, const N: usize, const G: usize>(
     contact: usize,
     mode: Mode,
 ) -> S::Mode {
-    let mut modes = S::of_contacts(&modes).to_vec();
-    modes[contact] = mode;
-    S::restored(Modes::new(&modes))
+    S::restored(Modes::new(S::of_contacts(&modes)).with(contact, mode))
 }
 
 /// How a flow touches the boundary of a contact that slips in it.

@@ -20,9 +20,9 @@ pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w) s` with `w` the
-/// weight of the field above and `s` the strength of friction, which is the difference of the
-/// contact's rates below and above while the contacts before it in the list hold. A weight at its
-/// limit ends stick, and so does a strength that vanishes, as at a two-fold.
+/// weight of the field above and `s` the strength of friction: the difference of the contact's rates
+/// below and above if it alone holds, else 1. A weight at its limit ends stick, and so does a
+/// strength that vanishes, as at a two-fold.
 #[derive(Clone, Copy)]
 pub(super) struct Joint<'a, S, const M: usize> {
     pub(super) system: &'a S,
@@ -43,9 +43,8 @@ pub(super) struct Combination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
     /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
-    /// Strength of friction of every holding contact, in their order; 1 for those that share their
-    /// loads.
-    strengths: [T; M],
+    /// Strength of friction of the only holding contact; 1 if several hold.
+    strength: T,
 }
 
 impl<T: Scalar, const N: usize, const M: usize> Combination<T, N, M> {
@@ -53,7 +52,7 @@ impl<T: Scalar, const N: usize, const M: usize> Combination<T, N, M> {
     #[inline(always)]
     fn stick_guard(&self, index: usize) -> T {
         let share = self.shares[index];
-        share * (-share + 1.0) * self.strengths[index]
+        share * (-share + 1.0) * self.strength
     }
 }
 
@@ -210,25 +209,19 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         solve(&mut matrix, &mut shares, self.count);
         if S::MULTI_AFFINE && self.count > 1 {
             for _ in 0..NEWTON_STEPS {
-                matrix = self.newton(t, x, &mut shares);
+                self.newton(t, x, &mut shares);
             }
             return Combination {
                 field: self.multi_affine(t, x, &shares).0,
                 shares,
-                strengths: self.strengths(&matrix),
+                strength: T::one(),
             };
         }
-        self.combined(affine, shares, self.strengths(&matrix))
-    }
-
-    /// Strengths of friction: the pivots of elimination, of the other sign.
-    #[inline(always)]
-    fn strengths<T: Scalar>(&self, eliminated: &[[T; M]; M]) -> [T; M] {
-        let mut strengths = [T::one(); M];
-        for (k, strength) in strengths.iter_mut().enumerate().take(self.count) {
-            *strength = -eliminated[k][k];
-        }
-        strengths
+        let strength = match self.count {
+            1 => -matrix[0][0],
+            _ => T::one(),
+        };
+        self.combined(affine, shares, strength)
     }
 
     /// The combination with these weights.
@@ -237,7 +230,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self,
         affine: Affine<T, N, M>,
         shares: [T; M],
-        strengths: [T; M],
+        strength: T,
     ) -> Combination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
@@ -249,7 +242,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         Combination {
             field,
             shares,
-            strengths,
+            strength,
         }
     }
 
@@ -292,7 +285,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                     shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
-        self.combined(affine, shares, [T::one(); M])
+        self.combined(affine, shares, T::one())
     }
 
     /// Whether a holding contact affects the rates of others only, and they affect its own.
@@ -341,14 +334,9 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         })
     }
 
-    /// One Newton step for the weights of a multi-affine combination. Returns its eliminated matrix.
+    /// One Newton step for the weights of a multi-affine combination.
     #[inline(never)]
-    fn newton<T: Scalar, const N: usize>(
-        &self,
-        t: T,
-        x: &[T; N],
-        shares: &mut [T; M],
-    ) -> [[T; M]; M]
+    fn newton<T: Scalar, const N: usize>(&self, t: T, x: &[T; N], shares: &mut [T; M])
     where
         S: Contacts<N, M>,
     {
@@ -367,7 +355,6 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         for index in 0..self.count {
             shares[index] = shares[index] - step[index];
         }
-        matrix
     }
 
     /// The multi-affine combination of all corners, and its derivative in every weight.
