@@ -77,6 +77,15 @@ fn followed(
     if system.file.jumps.iter().all(|jump| jump.most.is_none()) {
         options.check_span(*t, t_end)?;
     }
+    if let Some(memory) = &from
+        && t_end <= memory.t()
+    {
+        return Err(Failure::Usage(format!(
+            "--t-end is {}, and the run to go on from ended at {}: give a later end",
+            readable(t_end),
+            readable(memory.t())
+        )));
+    }
     let wanted = Wanted {
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,

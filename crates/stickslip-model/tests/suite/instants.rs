@@ -471,7 +471,7 @@ fn a_jump_on_the_surface_of_a_contact_happens_as_the_contact_sticks() {
             "name = \"case\"\n[time]\nend = 1.5\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nn = 0\n\
              [contacts.c]\nboundary = \"v - {u}\"\nfriction = \"0.65\"\n\
              [jumps.j]\nwhen = \"v - {u}\"\nset = {{ n = \"n + 1\" }}\n[field]\nx = \"v\"\n\
-             v = \"0.3*sin({w}*t + {p}) - 0.5*x - friction(c)\"\n[start]\nx = 0.1\nv = {}\n",
+             v = \"0.1*sin({w}*t + {p}) - 0.5*x - friction(c)\"\n[start]\nx = 0.1\nv = {}\n",
             u - 0.2
         );
         for method in METHODS {

@@ -79,10 +79,13 @@ fn same_in_pieces(text: &str, until: f64, options: &Options, draw: &mut SplitMix
         all.map(|(kind, of, _)| (kind.clone(), *of)).collect()
     };
     assert_eq!(kinds(&changes), kinds(&whole.changes), "{what}");
+    // Events in a step that the end of a piece has shortened are located as precisely as others: a
+    // thousand times more than steps.
+    let allowed = f64::max(1e-11, 1e-2 * options.rtol);
     for (one, other) in changes.iter().zip(&whole.changes) {
         let size = one.2.abs().max(1.0);
         assert!(
-            (one.2 - other.2).abs() <= 1e-11 * size,
+            (one.2 - other.2).abs() <= allowed * size,
             "{what}: {one:?}, {other:?}"
         );
     }
