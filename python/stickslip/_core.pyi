@@ -13,6 +13,7 @@ __all__ = [
     "bifurcation_diagram",
     "continuation",
     "equilibrium_continuation",
+    "end_of",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter_map",

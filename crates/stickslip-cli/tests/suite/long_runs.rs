@@ -81,7 +81,10 @@ fn a_run_goes_on_from_its_end() {
     assert_eq!(rows("first") + rows("rest"), rows("whole"));
     // Another tolerance, another system, an earlier end, and what is no end of a run.
     for (arguments, words) in [
-        (&["--until", "60", "--tol", "1e-6"][..], "--atol is 1e-12 there and 1e-6 here"),
+        (
+            &["--until", "60", "--tol", "1e-6"][..],
+            "--atol is 1e-12 there and 1e-6 here",
+        ),
         (&["--until", "19.9"][..], "ended at 20: give a later end"),
         (
             &["--until", "60", "--start", "x=0"][..],
