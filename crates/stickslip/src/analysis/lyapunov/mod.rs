@@ -213,7 +213,7 @@ where
 /// the absolute tolerance follows a decay to zero: linear parts decide the exponents there unless a
 /// boundary passes through zero, and then directions do.
 fn measured<'a>(
-    system: &'a dyn Dynamics,
+    system: &dyn Dynamics,
     mut start: Moment,
     (settings, count, refines): (&SpectrumOptions, usize, bool),
     begin: impl FnOnce(&Moment, f64, &Options) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>,
