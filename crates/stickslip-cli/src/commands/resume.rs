@@ -127,7 +127,8 @@ impl End {
         match both.find(|(_, there, here)| there != here) {
             None => Ok(end.memory),
             Some((name, there, here)) => Err(usage(format!(
-                "--resume: {at} is the end of another run: {name} is {there} there and {here} here; \
+                "--resume: {at} is the end of another run: {name} is {there} there and \
+                 {here} here; \
                  go on with the same, or begin anew with --start"
             ))),
         }

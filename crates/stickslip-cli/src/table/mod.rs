@@ -59,10 +59,10 @@ pub struct Grid {
 /// Columns are separated by commas, semicolons, tabs or spaces, whichever the first lines use. If
 /// something else separates columns, a comma between digits is a decimal comma. Lines that start
 /// with `#` or `%` are skipped. The first line, or a comment directly above the numbers, may
-/// contain names. A NumPy array (`.npy`) has no names. A column named `t` or `time`, or else one whose
-/// name ends in the word `time`, is not a coordinate: it determines the time between two rows, or is compared with `dt` if that is given.
-/// Without names, an evenly spaced first column is also the time, and one that rises unevenly is an
-/// error. Constant columns are left out.
+/// contain names. A NumPy array (`.npy`) has no names. A column named `t` or `time`, or else one
+/// whose name ends in the word `time`, is not a coordinate: it determines the time between two
+/// rows, or is compared with `dt` if that is given. Without names, an evenly spaced first column is
+/// also the time, and one that rises unevenly is an error. Constant columns are left out.
 ///
 /// # Errors
 /// Input that is not a complete table of finite numbers, with line and column; a time

@@ -232,7 +232,8 @@ fn contact_and_jump_on_one_surface_accumulate_and_rest_where_the_contact_holds()
     for ratio in [0.5, 0.9, 0.95] {
         let text = format!(
             "name = \"case\"\n[time]\nend = 60\n[states]\nx = \"\"\nv = \"\"\n\
-             [contacts.c]\nboundary = \"x\"\n[jumps.j]\nwhen = \"x\"\nset = {{ v = \"{ratio}*v\" }}\n\
+             [contacts.c]\nboundary = \"x\"\n[jumps.j]\nwhen = \"x\"\n\
+             set = {{ v = \"{ratio}*v\" }}\n\
              [field]\nx = \"v\"\nv = \"-c\"\n[start]\nx = 1\nv = 0\n"
         );
         // Half an oscillation lasts twice its speed at zero.
@@ -305,7 +306,8 @@ fn slide_to_two_fold(boundaries: &str, far: &str) -> String {
          0.3616*sin(1.091*t)\"\n{boundaries}[field]\n\
          x0 = \"-0.2541*x0^3 + 1.289*x0 - 0.4222*x2 + by_side(c0, -0.7373*x1, 0.9362) + 0.5148\"\n\
          x1 = \"-0.048*x1^3 - 1.273*x2 + by_side(c0, 0.8001*x0, 0.005601) - 0.5916\"\n\
-         x2 = \"-0.3981*x2^3 + 0.5316*x0 + 0.5118*x1 + 0.01729*x2*sin(x2) - 1.5607 + 0.3*cos(1){far}\"\n\
+         x2 = \"-0.3981*x2^3 + 0.5316*x0 + 0.5118*x1 + 0.01729*x2*sin(x2) - \
+         1.5607 + 0.3*cos(1){far}\"\n\
          [start]\nx0 = 2.6404544259281932\nx1 = -0.9067981121029407\nx2 = 0.07076052537829378\n"
     )
 }
@@ -390,7 +392,8 @@ fn two_jumps_of_one_function_happen_at_every_tooth() {
             )
         });
         let text = format!(
-            "name = \"case\"\n[time]\nend = 1.95\n[states]\nv = \"\"\n[discrete]\nn = 0\n{}[field]\n\
+            "name = \"case\"\n[time]\nend = 1.95\n[states]\nv = \"\"\n[discrete]\nn = 0\n\
+            {}[field]\n\
              v = \"1\"\n[start]\nv = 0\n",
             jumps.concat()
         );
@@ -422,7 +425,8 @@ fn a_jump_far_from_its_zero_waits_for_the_kink_of_no_input() {
 #[test]
 fn a_function_that_has_left_its_zero_is_carried_through_it_by_another_jump() {
     let text = "name = \"case\"\n[time]\nend = 2\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nn = 0\n\
-                [jumps.wall]\nwhen = \"x - 0.6\"\ndirection = \"rising\"\nset = { v = \"-0.5*v\" }\n\
+                [jumps.wall]\nwhen = \"x - 0.6\"\ndirection = \"rising\"\n\
+                set = { v = \"-0.5*v\" }\n\
                 [jumps.level]\nwhen = \"v - 0.133\"\nset = { n = \"n + 1\" }\n\
                 [field]\nx = \"v\"\nv = \"1\"\n[start]\nx = 0\nv = 0\n";
     let wall = f64::sqrt(1.2);
@@ -444,7 +448,8 @@ fn a_ball_that_touches_the_next_one_passes_the_blow_on() {
                 set = { v1 = \"v2\", v2 = \"v1\" }\n\
                 [jumps.second]\nwhen = \"x2 - x3\"\ndirection = \"rising\"\n\
                 set = { v2 = \"v3\", v3 = \"v2\" }\n\
-                [field]\nx1 = \"v1\"\nx2 = \"v2\"\nx3 = \"v3\"\nv1 = \"0\"\nv2 = \"0\"\nv3 = \"0\"\n\
+                [field]\nx1 = \"v1\"\nx2 = \"v2\"\nx3 = \"v3\"\nv1 = \"0\"\nv2 = \"0\"\n\
+                v3 = \"0\"\n\
                 [start]\nx1 = -1\nx2 = 0\nx3 = 0\nv1 = 1\nv2 = 0\nv3 = 0\n";
     for method in METHODS {
         let (run, jumps) = simulated_by(text, &options(method), None);

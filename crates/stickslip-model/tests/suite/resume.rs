@@ -116,7 +116,8 @@ const SYSTEMS: [(&str, f64); 7] = [
     (
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\n[discrete]\nn = 0\n\
          [jumps.count]\nwhen = \"x\"\ndirection = \"rising\"\nset = { n = \"n + 1\" }\n\
-         [jumps.beat]\nwhen = \"sin(2*pi*t)\"\ndirection = \"rising\"\nset = { v = \"0.9*v + 0.1\" }\n\
+         [jumps.beat]\nwhen = \"sin(2*pi*t)\"\ndirection = \"rising\"\n\
+         set = { v = \"0.9*v + 0.1\" }\n\
          [field]\nx = \"v\"\nv = \"-x\"\ny = \"n\"\n[start]\nx = 0.3\nv = 0\ny = 0\n",
         20.0,
     ),

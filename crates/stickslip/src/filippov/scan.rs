@@ -70,8 +70,8 @@ pub(crate) fn far_from_zero(values: &[f64; NODES]) -> bool {
     least + most > 4.0 * (most - least) && sum.is_finite()
 }
 
-/// Whether a function that is positive at the points of [`UNIT_NODES`] is so between them, as far as
-/// samples tell.
+/// Whether a function that is positive at the points of [`UNIT_NODES`] is so between them, as far
+/// as samples tell.
 pub(crate) fn stays_positive(values: &[f64; NODES]) -> bool {
     let samples = Samples {
         nodes: UNIT_NODES,

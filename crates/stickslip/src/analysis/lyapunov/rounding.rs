@@ -56,7 +56,8 @@ impl Shadow {
         self.excess.fill(0.0);
     }
 
-    /// Carries the frame by a map of which the images of the first frame's living vectors are known.
+    /// Carries the frame by a map of which the images of the first frame's living vectors are
+    /// known.
     /// `frame` is the first frame after it, with the lengths that remained. Where some of its
     /// vectors were annihilated, the second frame begins at the others.
     pub(super) fn carry(
