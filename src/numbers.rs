@@ -46,11 +46,10 @@ pub(crate) fn not_found(what: &'static str, t: f64, span: f64) -> Error {
     Error::NotFound { what, t, span }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "report"))]
 mod tests {
     use super::*;
 
-    #[cfg(feature = "report")]
     #[test]
     fn the_median_of_an_even_count_lies_between_the_middle_two() {
         assert_eq!(median(&[]), None);
