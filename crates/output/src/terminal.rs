@@ -47,7 +47,7 @@ pub fn note(line: &str) {
 /// Computations that take longer than this show their progress.
 const PROGRESS_DELAY: Duration = Duration::from_secs(2);
 
-/// A progress bar on standard error, if that is a terminal. It appears after [`PROGRESS_DELAY`].
+/// A progress bar on standard error, if that is a terminal. It appears after a delay.
 pub struct DelayedProgressBar {
     begin: Instant,
     template: String,
@@ -110,7 +110,7 @@ impl Status {
     }
 }
 
-/// Runs a computation of unknown length, with a spinner after [`PROGRESS_DELAY`].
+/// Runs a computation of unknown length, with a spinner after a delay.
 pub fn with_spinner<T: Send>(what: &str, work: impl FnOnce(&Status) -> T + Send) -> T {
     const TICK: Duration = Duration::from_millis(120);
     let status = Status(ProgressBar::new_spinner().with_message(what.to_owned()));
