@@ -315,6 +315,12 @@ pub(crate) fn solve<'py>(
     let options = settings.options()?;
     let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
+    // An event or a jump may end the run earlier.
+    let jumps = &system.compiled.file.jumps;
+    if most.iter().all(|&most| most == 0) && jumps.iter().all(|jump| jump.most.is_none()) {
+        let checked = options.check_span(t, t_end);
+        checked.map_err(|error| failed(&error, Some(&system.compiled)))?;
+    }
     let mut signals = Signals::new(report);
     let wanted = (requested, dense_output, limit);
     let compiled = &system.compiled;

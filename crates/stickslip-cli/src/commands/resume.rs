@@ -38,8 +38,8 @@ fn depends_on(system: &System, options: &Options) -> BTreeMap<String, String> {
     let mut parts = BTreeMap::from([
         ("program".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         (
-            "the text of the system".to_owned(),
-            digest(system.file.source.text.as_bytes()),
+            "the text of the system, with its tables".to_owned(),
+            digest(format!("{}{:?}", system.file.source.text, system.file.inputs).as_bytes()),
         ),
         ("--method".to_owned(), format!("{:?}", options.method)),
         ("--rtol".to_owned(), format!("{:?}", options.rtol)),

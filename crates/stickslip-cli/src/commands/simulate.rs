@@ -26,8 +26,8 @@ pub(super) struct Arguments {
     t_end: Option<f64>,
     /// Go on from the end of another run: its end.json, or the folder with it
     ///
-    /// System and options are those of that run, and the end is later. Orbit, transitions and end
-    /// are those of a single run, bit for bit.
+    /// System and options are those of that run, and the end is later. The end has the bits of a
+    /// single run.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["start", "t_start"])]
     resume: Option<PathBuf>,
     /// Draw no figures
@@ -76,15 +76,6 @@ fn followed(
     // A jump may end the run earlier.
     if system.file.jumps.iter().all(|jump| jump.most.is_none()) {
         options.check_span(*t, t_end)?;
-    }
-    if let Some(memory) = &from
-        && t_end <= memory.t()
-    {
-        return Err(Failure::Usage(format!(
-            "--t-end is {}, and the run to go on from ended at {}: give a later end",
-            readable(t_end),
-            readable(memory.t())
-        )));
     }
     let wanted = Wanted {
         figures: !arguments.no_figures,

@@ -85,7 +85,10 @@ fn a_run_goes_on_from_its_end() {
             &["--until", "60", "--tol", "1e-6"][..],
             "--atol is 1e-12 there and 1e-6 here",
         ),
-        (&["--until", "19.9"][..], "ended at 20: give a later end"),
+        (
+            &["--until", "19.9"][..],
+            "cannot integrate from t = 20 to t = 19.9",
+        ),
         (
             &["--until", "60", "--start", "x=0"][..],
             "cannot be used with",

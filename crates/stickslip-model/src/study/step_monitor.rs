@@ -34,7 +34,8 @@ pub struct StepMonitor {
     /// Number of smooth steps in a row, and the time at which they began.
     smooth: (u32, f64),
     is_told: bool,
-    /// Minimum and maximum of each state.
+    /// Minimum and maximum of each state over the steps. A start in stick lies beside its boundary
+    /// by rounding, and the first step begins on it.
     extents: Vec<(f64, f64)>,
 }
 
@@ -47,7 +48,7 @@ impl StepMonitor {
             ends: vec![(t, x.to_vec())],
             smooth: (0, t),
             is_told: false,
-            extents: x.iter().map(|&x| (x, x)).collect(),
+            extents: vec![(f64::INFINITY, f64::NEG_INFINITY); x.len()],
         }
     }
 
@@ -61,8 +62,9 @@ impl StepMonitor {
     /// steps meets the end of this one, and stability does not.
     pub fn step(&mut self, step: &Step, interface: &impl Interface) -> Option<String> {
         let (t, x) = (step.t_end, step.x_end.as_slice());
-        for ((low, high), &x) in self.extents.iter_mut().zip(x) {
-            (*low, *high) = (low.min(x), high.max(x));
+        let ends = step.x_start.iter().zip(x);
+        for ((low, high), (&from, &to)) in self.extents.iter_mut().zip(ends) {
+            (*low, *high) = (low.min(from).min(to), high.max(from).max(to));
         }
         let is_bounded = step.t_end - step.t_start >= 0.99 * self.options.longest_step;
         if self.ends.len() < ENDS || is_bounded || !self.meets(t, x) {

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use numerics::SplitMix;
-use stickslip::Options;
 use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, RunMemory, Vector};
+use stickslip::{AtPileUp, Options};
 use stickslip_model::kernel::follow_on;
 
 use crate::run::{METHODS, options, system};
@@ -90,7 +90,7 @@ fn same_in_pieces(text: &str, until: f64, options: &Options, draw: &mut SplitMix
     }
 }
 
-const SYSTEMS: [(&str, f64); 7] = [
+const SYSTEMS: [(&str, f64); 8] = [
     // Stick and slip on a belt, pushed.
     (
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\nboundary = \"v - 0.3\"\n\
@@ -136,6 +136,12 @@ const SYSTEMS: [(&str, f64); 7] = [
          v = \"2*push - x - friction(floor)\"\n[start]\nx = 0.1\nv = 0.4\n",
         15.0,
     ),
+    // Contact and jump accumulate, and rest.
+    (
+        "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.c]\nboundary = \"x\"\n[jumps.j]\n\
+         when = \"x\"\nset = { v = \"0.5*v\" }\n[field]\nx = \"v\"\nv = \"-c\"\n[start]\nx = 1\nv = 0\n",
+        6.0,
+    ),
     // Two blocks.
     (
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\nw = \"\"\n[contacts.a]\n\
@@ -158,7 +164,7 @@ fn a_run_in_pieces_has_the_bits_of_a_single_one() {
                     atol: tolerance,
                     ..options(method)
                 };
-                same_in_pieces(text, until, &options, &mut draw);
+                same_in_pieces(text, until, &options.at_pile_up(AtPileUp::Rest), &mut draw);
             }
         }
     }

@@ -69,6 +69,13 @@ pub(crate) struct JumpMemory {
     has_jumped: bool,
 }
 
+impl JumpMemory {
+    /// Whether it is one of a system without jumps.
+    pub(super) fn has_no_jumps(&self) -> bool {
+        self.counts.is_empty()
+    }
+}
+
 impl<'a, S, V, J, const N: usize, const G: usize> JumpSearch<'a, S, V, J, N, G>
 where
     S: Switched<N, G>,
@@ -174,6 +181,21 @@ where
         self.has_jumped = self.is_due();
     }
 
+    /// Takes every function as it is at the present state; one that is zero stands there.
+    pub(super) fn begin_at(&mut self, integration: &Integration<'a, S, N, G>) {
+        self.has_jumped = false;
+        let at = Timed {
+            t: integration.t(),
+            x: *integration.x(),
+        };
+        for number in 0..self.counts.len() {
+            match self.search.sign_at(number, &at) {
+                0.0 => self.search.stand_at_zero(number, 0.0, 0.0),
+                sign => self.search.set_side(number, sign),
+            }
+        }
+    }
+
     /// Whether a jump's function goes in its direction with this sign.
     fn goes(&self, number: usize, sign: f64) -> bool {
         goes(self.jumps, number, sign)
@@ -211,6 +233,8 @@ where
         let Some(&EventRecord { t, x, .. }) = events.first() else {
             return self.check(integration);
         };
+        let kinks = (self.next_kink - t).abs() <= TIME_ROUNDING * t.abs();
+        let t = if kinks { self.next_kink } else { t };
         integration.stop_at(Timed { t, x });
         let is_due = |at: &&EventRecord<N, S::Mode>| at.t - t <= TIME_ROUNDING * t.abs();
         let mut due: Vec<usize> = events
@@ -258,7 +282,12 @@ where
     /// Whether a run has reached a kink. A kink at the end of the run is passed, too: a run from
     /// there continues after it.
     pub(super) fn is_at_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
-        integration.is_at_end() && integration.t() >= self.next_kink
+        integration.is_at_end() && self.has_reached_kink(integration)
+    }
+
+    /// Whether an input kinks at the present time or before.
+    pub(super) fn has_reached_kink(&self, integration: &Integration<'a, S, N, G>) -> bool {
+        integration.t() >= self.next_kink
     }
 
     /// Whether an input has kinked at this time.
@@ -297,6 +326,15 @@ where
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
             self.leave_zero(number, due.left, integration);
+            // A jump that moves its function by less than rounding, to where the function goes on to
+            // the next jump, has no end but an accumulation.
+            let value = |x: &State<N>| self.jumps.when(number, t, components(x));
+            if self.search.stands_at_zero(number)
+                && self.goes(number, self.search.side(number))
+                && value(&before) != value(&after)
+            {
+                integration.end_accumulation_of(self.contacts + number)?;
+            }
             self.detect_jumps(integration, [&before, &after], Some(number));
         }
         Ok(Some(Transition {
@@ -359,6 +397,7 @@ where
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
         self.detect_jumps(integration, [&before, &after], None);
+        self.due.make_contiguous().sort_by_key(|due| due.number);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
             pending.extend(phase.map(OrbitProgress::PhaseEnd));

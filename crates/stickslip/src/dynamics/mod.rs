@@ -207,11 +207,13 @@ pub trait Dynamics: Send + Sync {
         sections: &[Section],
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
-    /// Goes on from the end of another run of the same system with the same options; the end is
-    /// later. Orbit, events and end are those of a single run, bit for bit.
+    /// Goes on from the end of another run of the same system with the same options. The end has
+    /// the bits of a single run. Transitions in the step that the other run's end has shortened are
+    /// those of a single run to the tolerance.
     ///
     /// # Errors
-    /// Those of [`crate::Integration::new`]; [`Error::Memory`] for a run of another system.
+    /// Those of [`crate::Integration::new`]; [`Error::Memory`] for a run of another system, and
+    /// [`Error::Interval`] if the end is not later than that of the other run.
     fn resume<'a>(
         &'a self,
         from: &RunMemory,

@@ -76,14 +76,18 @@ where
         if from.x.len() != self.states {
             return Err(of_another_system());
         }
+        if !(t_end > from.t) {
+            return Err(Error::Interval { t0: from.t, t_end });
+        }
         let integration =
             Integration::resumed(self.system, &from.step, self.states, t_end, options)
                 .ok_or_else(of_another_system)?;
         let mut run = self.run(integration, t_end, options)?;
         let is_same = match (&mut run.jump_search, &from.jumps) {
             (Some(search), Some(memory)) => search.restore(memory),
-            (None, _) => true,
-            (Some(_), None) => self.jumps.count() == 0,
+            // Without jumps, a search is for the kinks that a run reaches.
+            (_, None) => self.jumps.count() == 0,
+            (None, Some(memory)) => memory.has_no_jumps(),
         };
         if !is_same {
             return Err(of_another_system());
@@ -268,8 +272,13 @@ where
         self.unobserved = self.observer.is_some().then_some(progress);
         Ok(Some(match &progress {
             Progress::Step => {
-                if let Some(jump_search) = &mut self.jump_search {
-                    jump_search.shorten_step(&mut self.integration)?;
+                match &mut self.jump_search {
+                    // All jumps on the way are part of the accumulation.
+                    Some(jump_search) if self.integration.accumulates() => {
+                        jump_search.begin_at(&self.integration);
+                    }
+                    Some(jump_search) => jump_search.shorten_step(&mut self.integration)?,
+                    None => {}
                 }
                 if let Some(search) = &mut self.search {
                     search.in_step(&self.integration.last_step());
@@ -332,6 +341,10 @@ where
                 // The phase before it is reported first.
                 if self.integration.ends_phase() {
                     return Ok(None);
+                }
+                if jump_search.has_reached_kink(&self.integration) {
+                    jump_search.pass_kink(&mut self.integration, &self.view, &mut self.pending)?;
+                    continue;
                 }
                 if jump_search.takes_empty_phase() {
                     let phase = self

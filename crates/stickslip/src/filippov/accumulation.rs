@@ -86,6 +86,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         })
     }
 
+    /// Whether the last step leads to the point where transitions accumulate.
+    pub(crate) fn accumulates(&self) -> bool {
+        self.sticking_point.is_some()
+    }
+
     /// The transition at the event after which the run goes to the accumulation point.
     pub(super) fn transition_towards_accumulation(
         &mut self,

@@ -3,6 +3,7 @@
 
 use super::integration::{Due, Integration};
 use super::observer::Transition;
+use super::pile_up::GeometricSeries;
 use super::switched::{Next, Switched, UseFlow, Velocity};
 use super::taylor::MAX_GROWTH;
 use crate::error::Error;
@@ -79,14 +80,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             before != Mode::Stick && after == Mode::Stick
         };
         let sticking: Vec<usize> = (0..self.contacts).filter(begins_to_stick).collect();
-        if !sticking.is_empty()
-            && let Some(series) = self
-                .pile_up
-                .series_reached_at(self.run.at.t, &self.run.options)
-            && sticking
-                .iter()
-                .any(|contact| series.contacts.contains(contact))
+        if ending.is_none()
+            && let Some(series) = self.series_reached_of(&sticking)
         {
+            self.mode = self.pile_up.mode_after(self.run.at.t).unwrap_or(from);
             self.due = self.resolve_pile_up(Some(series))?;
             return Ok(());
         }
@@ -106,6 +103,28 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             self.due = Due::End(ending);
         }
         Ok(())
+    }
+
+    /// Ends the run, or goes on in stick, if the transitions form a series with this jump that ends
+    /// here.
+    ///
+    /// # Errors
+    /// [`Error::EventPileUp`].
+    pub(crate) fn end_accumulation_of(&mut self, jump: usize) -> Result<(), Error> {
+        if let Some(series) = self.series_reached_of(&[jump]) {
+            self.due = self.resolve_pile_up(Some(series))?;
+        }
+        Ok(())
+    }
+
+    /// The series of the last transitions, if it ends here and has one of these contacts or jumps.
+    fn series_reached_of(&self, any: &[usize]) -> Option<GeometricSeries<N>> {
+        if any.is_empty() {
+            return None;
+        }
+        let (t, options) = (self.run.at.t, &self.run.options);
+        let series = self.pile_up.series_reached_at(t, options);
+        series.filter(|series| any.iter().any(|one| series.contacts.contains(one)))
     }
 
     /// Continues where the field jumps at this time. The state may differ in the values that inputs
