@@ -14,11 +14,16 @@ def page(name):
 
 
 def test_every_error_of_the_library_has_a_section():
-    source = (CRATES / "stickslip/src/error.rs").read_text(encoding="utf-8")
-    body = source.split("pub enum Error {")[1].split("\n}\n")[0]
-    errors = re.findall(r"^    ([A-Z]\w+) \{", body, re.M)
-    assert len(errors) > 20
-    assert sorted(errors) == sorted(re.findall(r"^### (\w+)$", page("errors.md"), re.M))
+    def variants(file, name):
+        source = (CRATES / "stickslip/src" / file).read_text(encoding="utf-8")
+        body = source.split(f"pub enum {name} {{")[1].split("\n}\n")[0]
+        return re.findall(r"^    ([A-Z]\w+) \{", body, re.M)
+
+    errors, faults = variants("error.rs", "Error"), variants("contact_fault.rs", "ContactFault")
+    assert len(errors) > 20 and len(faults) >= 5
+    # `Contacts` carries one of the faults, and each has its section.
+    errors.remove("Contacts")
+    assert sorted(errors + faults) == sorted(re.findall(r"^### (\w+)$", page("errors.md"), re.M))
 
 
 def test_every_key_of_a_file_is_in_a_table():

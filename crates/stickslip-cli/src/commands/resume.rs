@@ -30,7 +30,15 @@ pub(super) struct End {
     /// What the run depends on besides its start, by name: the hash of the system's text, its
     /// parameters, the options of the solver.
     depends_on: BTreeMap<String, String>,
+    /// Hash of the memory: a changed one would go on from nowhere.
+    sha256: String,
     memory: RunMemory,
+}
+
+fn hash(memory: &RunMemory) -> String {
+    // A memory that cannot be written has no hash, and none is written.
+    let text = serde_json::to_string(memory).unwrap_or_default();
+    digest(text.as_bytes())
 }
 
 /// What a run of a system depends on besides its start.
@@ -77,6 +85,7 @@ impl End {
             t: memory.t(),
             state: names.zip(memory.x().iter().copied()).collect(),
             depends_on: depends_on(system, options),
+            sha256: hash(&memory),
             memory,
         }
     }
@@ -116,6 +125,11 @@ impl End {
             return Err(usage(format!(
                 "--resume: {at} has format {}, and this program reads {FORMAT}; make the run again",
                 end.format
+            )));
+        }
+        if hash(&end.memory) != end.sha256 {
+            return Err(usage(format!(
+                "--resume: {at} was changed after it was written; make the run again"
             )));
         }
         let here = depends_on(system, options);

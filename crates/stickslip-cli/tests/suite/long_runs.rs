@@ -102,6 +102,13 @@ fn a_run_goes_on_from_its_end() {
     run(&missing)
         .code(2)
         .stderr(contains("nowhere cannot be read"));
+    let text = std::fs::read_to_string(at("first").join("end.json")).unwrap();
+    let changed = text.replacen("\"items\": ", "\"items\": 1", 1);
+    assert_ne!(changed, text);
+    std::fs::write(at("changed.json"), changed).unwrap();
+    run(&["--until", "60", "--resume", "changed.json"])
+        .code(2)
+        .stderr(contains("was changed after it was written"));
     std::fs::write(at("end.json"), "{}").unwrap();
     run(&["--until", "60", "--resume", "end.json"])
         .code(2)

@@ -86,11 +86,7 @@ impl Tape {
     /// # Errors
     /// [`TooLarge`].
     pub fn new(graph: &Graph, roots: &[Id], states: usize) -> Result<Tape, TooLarge> {
-        let tape = Layout::new(graph, roots, states).tape(roots)?;
-        Ok(Tape {
-            is_affine: graph.are_affine(roots),
-            ..tape
-        })
+        Layout::new(graph, roots, states).tape(roots)
     }
 
     /// Whether all numbers are affine functions of states and time.
@@ -251,7 +247,7 @@ impl<'a> Layout<'a> {
         });
         Ok(Tape {
             outputs: outputs.collect(),
-            is_affine: false,
+            is_affine: self.graph.are_affine(roots),
             registers: self.given,
             steps: self.steps,
         })

@@ -294,7 +294,7 @@ fn a_belt_that_rests_holds_a_block_at_the_limit_of_friction() {
         }
         // A stick begins where the block comes to the belt's speed, and each ends.
         assert!(
-            (entries.len() - exits.len()) <= 1 && entries.len() > 40,
+            entries.len().abs_diff(exits.len()) <= 1 && entries.len() > 40,
             "{method}"
         );
         all.push((entries, exits));

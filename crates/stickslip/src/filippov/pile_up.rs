@@ -188,7 +188,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             })
         };
         let last: Vec<_> = memory.last.iter().map(past).collect::<Option<_>>()?;
-        let newest = last.last().filter(|_| last.len() <= HISTORY)?;
+        let recorded = memory.count.clamp(1, HISTORY);
+        let is_whole = last.len() == recorded && memory.count.checked_add(HISTORY).is_some();
+        let newest = last.last().filter(|_| is_whole)?;
         let mut detector = PileUpDetector::new(&newest.at, newest.to, modes);
         for (back, past) in last.iter().rev().enumerate() {
             detector.last[(memory.count + HISTORY - 1 - back) % HISTORY] = *past;
