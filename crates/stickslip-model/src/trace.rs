@@ -181,6 +181,7 @@ pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<OneContact> {
         [force.unwrap_or(t)]
     })?;
     Some(OneContact {
+        dimension: N,
         holding: (holding != field).then_some(holding),
         field,
         boundary: traced(|t, x: &[Symbol; N]| [system.boundary(t, x)])?,

@@ -177,6 +177,14 @@ pub trait Filippov<const N: usize> {
         None
     }
 
+    /// Number of components of the state that the functions use: the first ones. Those beyond, in
+    /// a type with more room than the system needs, are constant and affect nothing. Derivatives are
+    /// taken in the used ones only.
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        N
+    }
+
     /// Checks the parameters, once before every run: a negative mass gives a message and not an
     /// orbit. The default allows everything.
     ///
@@ -216,6 +224,10 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     #[inline(always)]
     fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
         (**self).contact(t, x)
+    }
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        (**self).dimension()
     }
     fn check_parameters(&self) -> Result<(), Error> {
         (**self).check_parameters()
@@ -274,5 +286,9 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
     #[inline(always)]
     fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
         self.0.contact(t, x)
+    }
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        self.0.dimension()
     }
 }

@@ -1,6 +1,6 @@
 //! Expressions with resolved names. Common subexpressions are shared and constants are folded.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::functions::Function;
 use super::tree::Binary;
@@ -73,7 +73,7 @@ impl Node {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    ids: HashMap<Node, Id>,
+    ids: FxHashMap<Node, Id>,
 }
 
 type NodeResult = Result<Id, NotANumber>;

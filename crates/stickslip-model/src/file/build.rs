@@ -20,6 +20,8 @@ pub struct Built {
     pub fields: Fields,
     /// Whether any contact has static friction of its own.
     pub has_static: bool,
+    /// Whether frictions add for certain.
+    pub frictions_add: bool,
     /// The boundary functions of all contacts.
     pub boundaries: Tape,
     /// The normal force of the only contact, if contact can be lost.
@@ -235,6 +237,7 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
     Ok(Built {
         fields,
         has_static,
+        frictions_add: frictions_add(file, values, free)?,
         boundaries: tape(file, &graph, &heights, inputs)?,
         normal_force,
         sections,
@@ -383,6 +386,22 @@ pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> O
     varies
         .then(|| tape(file, &graph, &sizes, inputs).ok())
         .flatten()
+}
+
+/// Whether no rate depends on the sides of two contacts, so that frictions add.
+fn frictions_add(file: &SystemFile, values: &[f64], free: Freed) -> Result<bool, Problem> {
+    let mut graph = Graph::new();
+    let inputs = inputs(file, values, free, &mut graph)?;
+    let scope = Scope::Sides(Combination { above: 0, held: 0 });
+    let mut builder = Builder::new(file, inputs, &mut graph, scope);
+    for rate in &file.field {
+        (builder.sided, _) = (0, builder.forget());
+        builder.formula(rate.on_side(false))?;
+        if builder.sided.count_ones() > 1 {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// The tape of the field of one combination, and whether it depends on time.

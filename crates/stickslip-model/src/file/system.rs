@@ -494,12 +494,14 @@ fn equations(built: &Built) -> Equations {
     let Built {
         fields, boundaries, ..
     } = built;
+    let dimension = built.switching.room();
     let one_contact = || {
         let both = |held: usize| {
             let tape = |above| fields.tape(Combination { above, held });
             Some([tape(0)?, tape(1)?])
         };
         Some(OneContact {
+            dimension,
             field: both(0)?,
             holding: match built.has_static {
                 true => Some(both(1)?),
@@ -512,8 +514,10 @@ fn equations(built: &Built) -> Equations {
     match one_contact().filter(|_| fields.contacts() <= 1) {
         Some(system) => Equations::OneContact(Box::new(system)),
         None => Equations::ManyContacts(ManyContacts {
+            dimension,
             fields: fields.clone(),
             has_static: built.has_static,
+            frictions_add: built.frictions_add,
             boundaries: boundaries.clone(),
         }),
     }

@@ -10,6 +10,8 @@ use crate::expression::Tape;
 /// A system with one contact and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct OneContact {
+    /// Number of states, with what inputs hold.
+    pub dimension: usize,
     /// The field of each side, [`Side::Below`] first.
     pub field: [Tape; 2],
     /// The field of each side while the contact holds, if it differs.
@@ -60,6 +62,10 @@ impl<const N: usize> Filippov<N> for OneContact {
         let [force] = values(self.normal_force.as_ref()?, t, x);
         Some(force)
     }
+
+    fn dimension(&self) -> usize {
+        self.dimension.min(N)
+    }
 }
 
 /// The contacts that are above and those that hold, as bits.
@@ -86,9 +92,13 @@ pub struct Fields {
     build: Arc<BuildTape>,
 }
 
-/// Number of combinations that are stored. It bounds memory: six contacts have as many, and with
-/// more an orbit visits few of theirs. Those without room are rebuilt at every evaluation.
-const MOST_STORED_TAPES: usize = 1 << 12;
+/// Number of combinations that are stored. It bounds memory to some 100 MB: seven contacts have as
+/// many, and with more an orbit visits few of theirs. Those without room are rebuilt at every
+/// evaluation.
+const MOST_STORED_TAPES: usize = 1 << 14;
+
+/// Number of slots in which a combination is looked for. More would take as long as a rebuild.
+const PROBES: usize = 16;
 
 impl Fields {
     /// No field is built yet.
@@ -145,7 +155,7 @@ impl Fields {
     fn slots_of(&self, of: Combination) -> impl Iterator<Item = &TapeSlot> {
         let own = (of.above | of.held << self.contacts) % self.slots.len();
         let (before, from_own) = self.slots.split_at(own);
-        from_own.iter().chain(before)
+        from_own.iter().chain(before).take(PROBES)
     }
 }
 
@@ -180,10 +190,14 @@ impl fmt::Debug for Fields {
 /// A system with several contacts and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct ManyContacts {
+    /// Number of states, with what inputs hold.
+    pub dimension: usize,
     /// The fields.
     pub fields: Fields,
     /// Whether the field differs while contacts hold.
     pub has_static: bool,
+    /// Whether no rate depends on the sides of two contacts.
+    pub frictions_add: bool,
     /// The boundary functions. Functions beyond the number of contacts are never zero.
     pub boundaries: Tape,
 }
@@ -224,6 +238,22 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
         let mut heights = [T::one(); M];
         self.boundaries.evaluate(t, x, &mut heights);
         heights
+    }
+
+    fn dimension(&self) -> usize {
+        self.dimension.min(N)
+    }
+
+    fn contacts(&self) -> usize {
+        self.fields.contacts.min(M)
+    }
+
+    fn frictions_add(&self) -> bool {
+        self.frictions_add
+    }
+
+    fn has_static_friction(&self) -> bool {
+        self.has_static
     }
 }
 

@@ -7,7 +7,7 @@ use super::view::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
 use crate::dual::Dual;
 use crate::filippov::{
-    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity, gradient,
+    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity,
 };
 use crate::interval::Interval;
 use crate::ode::control::squared_error;
@@ -139,7 +139,9 @@ where
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
         if let Some(jump) = self.jump(number) {
-            let (slopes, in_time) = gradient(|t, x| jump.guard(t, x), &self.view.timed(at));
+            let (slopes, in_time) = self
+                .view
+                .gradient(|t, x| jump.guard(t, x), &self.view.timed(at));
             return (self.view.vector(&slopes), in_time);
         }
         let (gradient, in_time) =

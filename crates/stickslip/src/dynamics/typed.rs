@@ -16,7 +16,7 @@ use super::{
     Step, Transition, Vector,
 };
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Method, Options, Switched, gradient, seeded, side_by_side};
+use crate::filippov::{EventFunctions, Method, Options, Switched, seeded, side_by_side};
 use crate::ode::Timed;
 use crate::system::components;
 
@@ -220,7 +220,7 @@ where
             if x == before.x {
                 continue;
             }
-            let (slopes, in_time) = gradient(|t, x| of.jumps.clock(input, t, x), &before);
+            let (slopes, in_time) = of.gradient(|t, x| of.jumps.clock(input, t, x), &before);
             let gradient = of.vector(&slopes);
             if gradient.amax() == 0.0 || in_time == 0.0 {
                 continue;
@@ -237,7 +237,7 @@ where
 
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64) {
         let (of, at) = (self.view(), self.view().timed(at));
-        let (slopes, in_time) = gradient(|t, x| of.jumps.clock(input, t, x), &at);
+        let (slopes, in_time) = of.gradient(|t, x| of.jumps.clock(input, t, x), &at);
         let value = of.jumps.clock(input, at.t, components(&at.x));
         (value, of.vector(&slopes), in_time)
     }
@@ -254,8 +254,8 @@ where
         };
         let columns: Vec<Vector> = (0..states).map(along).collect();
         let (gradient, in_time) = match of.kinked(&here) {
-            Some(input) => gradient(|t, x| of.jumps.clock(input, t, x), &here),
-            None => gradient(|t, x| of.jumps.when(jump, t, x), &here),
+            Some(input) => of.gradient(|t, x| of.jumps.clock(input, t, x), &here),
+            None => of.gradient(|t, x| of.jumps.when(jump, t, x), &here),
         };
         Reset {
             after: of.vector(&of.jumps.set(jump, t, components(&x)).into()),
@@ -270,7 +270,7 @@ where
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
         let of = self.view();
         let section = of.sections(std::slice::from_ref(section));
-        let (normal, in_time) = gradient(|t, x| section.value(0, t, x), &of.timed(at));
+        let (normal, in_time) = of.gradient(|t, x| section.value(0, t, x), &of.timed(at));
         (of.vector(&normal), in_time)
     }
 }

@@ -3,9 +3,10 @@
 use super::interrupt::Interrupt;
 use super::jumps::Jumps;
 use super::{Kink, Modes, Moment, Passage, Phase, Summary, Transition, Vector};
+use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    EventOf, EventRecord, Integration, PhaseOf, Switched, TransitionKind, TransitionOf,
+    EventOf, EventRecord, Integration, PhaseOf, Switched, TransitionKind, TransitionOf, gradient,
 };
 use crate::ode::Timed;
 use crate::orbit::SummaryOf;
@@ -88,6 +89,15 @@ where
             mode: self.modes(of.mode()),
             input,
         }
+    }
+
+    /// Gradient of a function in the states, and its time derivative.
+    pub(super) fn gradient(
+        &self,
+        function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
+        at: &Timed<N>,
+    ) -> (State<N>, f64) {
+        gradient(function, at, self.states)
     }
 
     pub(super) fn vector(&self, x: &State<N>) -> Vector {

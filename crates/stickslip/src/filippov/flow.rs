@@ -120,7 +120,7 @@ const ROUNDING_MARGIN: f64 = 1e-9;
 /// Whether a range of values lies above zero by more than the error of the dense output and
 /// rounding.
 #[inline(always)]
-fn is_positive(range: Interval) -> bool {
+pub(super) fn is_positive(range: Interval) -> bool {
     range.low > DENSE_MARGIN * (range.high - range.low) && range.low > ROUNDING_MARGIN * range.high
 }
 
@@ -132,6 +132,8 @@ pub trait Flow<const N: usize> {
     const INTERPRETED: bool;
     /// The indices of the guards, [`CONTACT`] among them.
     fn guards(&self) -> &'static [usize];
+    /// Number of components of the state in which derivatives are taken; [`Filippov::dimension`].
+    fn dimension(&self) -> usize;
     /// Number of calls of the user's field in one evaluation.
     fn field_calls(&self) -> u64;
     /// dx/dt.
@@ -280,6 +282,9 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
     fn guards(&self) -> &'static [usize] {
         self.0.guards()
     }
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
     fn field_calls(&self) -> u64 {
         self.0.field_calls()
     }
@@ -329,6 +334,10 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
             Mode::Slip(_) => &[0, CONTACT],
             Mode::Stick => &[0, 1, CONTACT],
         }
+    }
+
+    fn dimension(&self) -> usize {
+        self.system.dimension()
     }
 
     #[inline(always)]
@@ -420,16 +429,19 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
     }
 }
 
-/// Gradient of a function in the state, and its time derivative.
+/// Gradient of a function in the first `dimension` components of the state, and its time
+/// derivative.
 pub(crate) fn gradient<const N: usize>(
     function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
     at: &Timed<N>,
+    dimension: usize,
 ) -> (State<N>, f64) {
     let along = |direction: usize| {
         let (t, x) = seeded(at, direction);
         function(t, &x).eps
     };
-    (State::from_fn(|k, _| along(k)), along(N))
+    let slope = |k, _| if k < dimension { along(k) } else { 0.0 };
+    (State::from_fn(slope), along(N))
 }
 
 /// Time and state with the derivative 1 in one direction; direction `N` is time.
@@ -450,7 +462,7 @@ pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
     x: &State<N>,
 ) -> (State<N>, f64) {
     let at = Timed { t, x: *x };
-    gradient(|t, x| system.boundary(t, x), &at)
+    gradient(|t, x| system.boundary(t, x), &at, system.dimension())
 }
 
 /// One Newton step from `x` onto Σ along the gradient of the boundary function.

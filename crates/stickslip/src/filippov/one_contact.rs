@@ -139,7 +139,8 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         let departure = departure(below, above, None);
         // If both normal components vanish, every weight is equally tangent, and the mean may lead
         // away.
-        let [along] = LieDerivatives::along(at.t, &at.x, slack, |t, x| {
+        let here = (at.t, &at.x, self.dimension());
+        let [along] = LieDerivatives::along(here, slack, |t, x| {
             let path = flow_path(t, x, |t, x| sliding_field(self, t, x));
             [self.boundary(path.0, &path.1)]
         });
@@ -191,6 +192,10 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
+    fn dimension(&self) -> usize {
+        Filippov::dimension(self)
+    }
+
     const CONTACTS: usize = 1;
 
     fn of_contacts(mode: &Mode) -> &[Mode] {
@@ -210,13 +215,14 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
 fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> State<N> {
     let mut here = *at;
     for _ in 0..PROJECTION_STEPS {
-        let (normal, _) = gradient(|t, x| system.boundary(t, x), &here);
+        let (normal, _) = boundary_gradient(system, here.t, &here.x);
         let (slope, _) = gradient(
             |t, x| {
                 let rate = |side| normal_component(system, t, x, &system.holding(side, t, x));
                 (rate(Side::Below) + rate(Side::Above)) * 0.5
             },
             &here,
+            system.dimension(),
         );
         let x = components(&here.x);
         let rate = |side| normal_component(system, here.t, x, &system.holding(side, here.t, x));

@@ -65,26 +65,27 @@ impl LieDerivatives {
         x: &State<N>,
         slack: f64,
     ) -> Self {
-        let [one] = LieDerivatives::along(t, x, slack, |t, x| {
+        let of = (t, x, system.dimension());
+        let [one] = LieDerivatives::along(of, slack, |t, x| {
             let path = flow_path(t, x, |t, x| system.field(side, t, x));
             [system.boundary(path.0, &path.1)]
         });
         one
     }
 
-    /// Of a function whose values along a field are given by `path`. The rounding is the change of
+    /// Of a function of the first `dimension` components of the state, whose values along a field
+    /// are given by `path`. The rounding is the change of
     /// the derivatives if state and time change by [`STATE_ROUNDING`], and every component by
     /// `slack`. A component that should be zero is zero only to that.
     pub(crate) fn along<const N: usize, const G: usize>(
-        t: f64,
-        x: &State<N>,
+        (t, x, dimension): (f64, &State<N>, usize),
         slack: f64,
         path: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual3<Dual<f64>>; G],
     ) -> [Self; G] {
         let mut values = [[0.0; 4]; G];
         let (mut spread, mut shift) = ([[0.0; 4]; G], [[0.0; 4]; G]);
         // Direction N is time.
-        for direction in 0..=N {
+        for direction in (0..dimension).chain([N]) {
             let (size, slack) = if direction < N {
                 (x[direction].abs(), slack)
             } else {
@@ -188,8 +189,7 @@ fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
 /// `along` gives the derivative and the field.
 #[inline(always)]
 fn one_derivative<const N: usize>(
-    t: f64,
-    x: &State<N>,
+    (t, x, dimension): (f64, &State<N>, usize),
     slack: f64,
     along: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> (Dual<f64>, [Dual<f64>; N]),
 ) -> (f64, f64) {
@@ -201,7 +201,7 @@ fn one_derivative<const N: usize>(
     let (mut spread, mut shift) = (derivative.eps.abs() * t.abs(), 0.0);
     // Its change along the field is the next derivative.
     let mut next = derivative.eps;
-    for direction in 0..N {
+    for direction in 0..dimension {
         let change = in_direction(direction).0.eps;
         spread += change.abs() * x[direction].abs();
         shift += change.abs() * slack;
@@ -221,7 +221,7 @@ pub(crate) fn on_boundary<S: Filippov<N>, const N: usize>(
     slack: f64,
 ) -> bool {
     let along = |t, x: &_| (system.boundary(t, x), system.field(side, t, x));
-    let (height, floor) = one_derivative(t, x, slack, along);
+    let (height, floor) = one_derivative((t, x, system.dimension()), slack, along);
     height.abs() <= floor
 }
 
@@ -247,13 +247,13 @@ impl LeadingDerivative {
         tangent: bool,
     ) -> Self {
         // Usually the first one decides.
-        let n = N as u64;
+        let (n, at) = (system.dimension() as u64, (t, x, system.dimension()));
         let (first, (value, floor), calls) = if tangent {
             let along = |t, x: &_| second_derivative(system, side, t, x);
-            (2, one_derivative(t, x, slack, along), 2 * (n + 1))
+            (2, one_derivative(at, slack, along), 2 * (n + 1))
         } else {
             let along = |t, x: &_| first_derivative(system, side, t, x);
-            (1, one_derivative(t, x, slack, along), n + 1)
+            (1, one_derivative(at, slack, along), n + 1)
         };
         if is_significant(value, floor) {
             return LeadingDerivative {
@@ -325,6 +325,9 @@ impl<S: Filippov<N>, const N: usize> Filippov<N> for WithStaticFriction<'_, S> {
     }
     fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         self.0.boundary(t, x)
+    }
+    fn dimension(&self) -> usize {
+        self.0.dimension()
     }
 }
 
@@ -403,10 +406,12 @@ mod tests {
             let slack = draw.between(0.0, 1e-12);
             for side in [Side::Below, Side::Above] {
                 let all = LieDerivatives::new(system, side, t, &x, slack);
-                let first =
-                    one_derivative(t, &x, slack, |t, x| first_derivative(system, side, t, x));
-                let second =
-                    one_derivative(t, &x, slack, |t, x| second_derivative(system, side, t, x));
+                let first = one_derivative((t, &x, N), slack, |t, x| {
+                    first_derivative(system, side, t, x)
+                });
+                let second = one_derivative((t, &x, N), slack, |t, x| {
+                    second_derivative(system, side, t, x)
+                });
                 for (k, (value, floor)) in [(1, first), (2, second)] {
                     let size = all.floors[k] / STATE_ROUNDING;
                     assert!((value - all.values[k]).abs() < 1e-14 * size, "{k}: {value}");

@@ -63,6 +63,10 @@ pub trait Switched<const N: usize, const G: usize> {
         }
     }
 
+    /// Number of components of the state in which derivatives are taken.
+    #[doc(hidden)]
+    fn dimension(&self) -> usize;
+
     /// Passes the flow of a mode to `work`.
     #[doc(hidden)]
     fn with_flow<U: UseFlow<N>>(
@@ -270,6 +274,6 @@ impl<const N: usize> UseFlow<N> for GuardGradient<N> {
 
     fn with<F: Flow<N>>(self, flow: &F) -> (State<N>, f64) {
         let GuardGradient(i, at) = self;
-        gradient(|t, x| flow.guard(i, t, x), &at)
+        gradient(|t, x| flow.guard(i, t, x), &at, flow.dimension())
     }
 }

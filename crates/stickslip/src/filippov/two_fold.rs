@@ -42,9 +42,13 @@ pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     } else {
         Approach::Crossings
     };
-    let [below, above] = [Side::Below, Side::Above].map(|side| {
+    let slips = |side| {
         let slips = with_mode::<S, N, G>(mode, contact, Mode::Slip(side));
-        system.with_flow(slips, system.branch(slips, at), Tangency(contact, at))
+        (slips, system.branch(slips, at))
+    };
+    let [below, above] = [Side::Below, Side::Above].map(|side| {
+        let (mode, branch) = slips(side);
+        system.with_flow(mode, branch, MotionOfSide(contact, at))
     });
     let difference = (above.velocity - below.velocity).norm();
     let rates = [&below, &above].map(|side| side.derivatives[1]);
@@ -52,16 +56,22 @@ pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     if difference * below.slope <= FIELD_DIFFERENCE * (rates[0] + rates[1]).abs() {
         return None;
     }
-    let kind = |tangency: &TangencyOfSide<N>| {
-        let [_, first, second, _] = tangency.derivatives;
-        let is_tangent = first.abs() <= second.abs() * within;
-        // If the second derivative vanishes as well, the point is more degenerate than a two-fold.
-        is_tangent.then_some(tangency.kind)
+    let is_tangent = |of: &SideMotion<N>| {
+        let [_, first, second, _] = of.derivatives;
+        first.abs() <= second.abs() * within
     };
-    let is_fold = |kind: &Visibility| *kind != Visibility::Degenerate;
+    if !is_tangent(&below) || !is_tangent(&above) {
+        return None;
+    }
+    let kind = |side| {
+        let (mode, branch) = slips(side);
+        let kind = system.with_flow(mode, branch, TangencyKind(contact, at));
+        // If the second derivative vanishes as well, the point is more degenerate than a two-fold.
+        (kind != Visibility::Degenerate).then_some(kind)
+    };
     Some(TwoFold {
-        below: kind(&below).filter(is_fold)?,
-        above: kind(&above).filter(is_fold)?,
+        below: kind(Side::Below)?,
+        above: kind(Side::Above)?,
         approach,
     })
 }
@@ -114,33 +124,45 @@ fn with_mode<S: Switched<N, G>, const N: usize, const G: usize>(
     S::restored(Modes::new(S::of_contacts(&modes)).with(contact, mode))
 }
 
-/// How a flow touches the boundary of a contact that slips in it.
-struct Tangency<'a, const N: usize>(usize, &'a Timed<N>);
+/// The motion of a slipping contact with respect to its boundary.
+struct MotionOfSide<'a, const N: usize>(usize, &'a Timed<N>);
 
-struct TangencyOfSide<const N: usize> {
+struct SideMotion<const N: usize> {
     velocity: State<N>,
     /// Value and time derivatives of the contact's guard: its boundary function, positive on its
     /// side.
     derivatives: [f64; 4],
-    kind: Visibility,
     /// Length of the guard's gradient.
     slope: f64,
 }
 
-impl<const N: usize> UseFlow<N> for Tangency<'_, N> {
-    type Output = TangencyOfSide<N>;
+impl<const N: usize> UseFlow<N> for MotionOfSide<'_, N> {
+    type Output = SideMotion<N>;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> TangencyOfSide<N> {
-        let Tangency(guard, at) = self;
-        let [lie] = LieDerivatives::along(at.t, &at.x, 0.0, |t, x| {
+    fn with<F: Flow<N>>(self, flow: &F) -> SideMotion<N> {
+        let MotionOfSide(guard, at) = self;
+        let (slope, _) = gradient(|t, x| flow.guard(guard, t, x), at, flow.dimension());
+        SideMotion {
+            velocity: flow.velocity(at.t, &at.x),
+            derivatives: flow.jet(guard, at.t, &at.x),
+            slope: slope.norm(),
+        }
+    }
+}
+
+/// How a flow that is tangent to the boundary of a contact, which slips in it, touches it.
+struct TangencyKind<'a, const N: usize>(usize, &'a Timed<N>);
+
+impl<const N: usize> UseFlow<N> for TangencyKind<'_, N> {
+    type Output = Visibility;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> Visibility {
+        let TangencyKind(guard, at) = self;
+        let here = (at.t, &at.x, flow.dimension());
+        let [lie] = LieDerivatives::along(here, 0.0, |t, x| {
             let path = flow_path(t, x, |t, x| flow.field(t, x));
             [flow.guard(guard, path.0, &path.1)]
         });
-        TangencyOfSide {
-            velocity: flow.velocity(at.t, &at.x),
-            derivatives: lie.values,
-            kind: lie.visibility(Side::Above),
-            slope: gradient(|t, x| flow.guard(guard, t, x), at).0.norm(),
-        }
+        lie.visibility(Side::Above)
     }
 }

@@ -52,7 +52,8 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> Uncertainty {
-    let [one] = propagate(at, tolerance, |t, x| [flow.guard(i, t, x)]);
+    let of = (flow.dimension(), tolerance);
+    let [one] = propagate(at, of, |t, x| [flow.guard(i, t, x)]);
     one
 }
 
@@ -62,13 +63,15 @@ pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
     at: &Timed<N>,
     tolerance: &Tolerance,
 ) -> [Uncertainty; G] {
-    propagate(at, tolerance, |t, x| flow.field_and_guards(t, x).1)
+    let of = (flow.dimension(), tolerance);
+    propagate(at, of, |t, x| flow.field_and_guards(t, x).1)
 }
 
+/// Uncertainties of functions of the first `dimension` components of the state.
 #[inline(always)]
-fn propagate<const N: usize, const G: usize>(
+pub(crate) fn propagate<const N: usize, const G: usize>(
     at: &Timed<N>,
-    tolerance: &Tolerance,
+    (dimension, tolerance): (usize, &Tolerance),
     guards: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual<f64>; G],
 ) -> [Uncertainty; G] {
     let mut blurs = [Uncertainty {
@@ -76,7 +79,7 @@ fn propagate<const N: usize, const G: usize>(
         by_rounding: 0.0,
     }; G];
     // Direction N is time, which the tolerance does not affect.
-    for direction in 0..=N {
+    for direction in (0..dimension).chain([N]) {
         let (t, x) = seeded(at, direction);
         for (blur, guard) in blurs.iter_mut().zip(guards(t, &x)) {
             let slope = guard.eps.abs();

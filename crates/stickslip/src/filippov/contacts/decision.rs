@@ -1,15 +1,20 @@
 //! Decides the mode that follows a point where contacts are at zero.
 
+use std::cell::OnceCell;
+
 use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
 use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
 use crate::error::{ContactFault, Error};
-use crate::filippov::flow::{Flow, flow_path};
+use crate::filippov::flow::{Flow, flow_path, is_positive};
 use crate::filippov::rules::LieDerivatives;
 use crate::filippov::run::StepState;
 use crate::filippov::switched::Next;
-use crate::filippov::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties};
+use crate::filippov::uncertainty::{
+    EVENT_PRECISION, RELATIVE_ROUNDING, STATE_ROUNDING, Uncertainty, uncertainties,
+};
+use crate::interval::Interval;
 use crate::ode::Timed;
 use crate::system::{Mode, Side, components};
 
@@ -41,11 +46,22 @@ struct InitialDerivatives<const M: usize> {
     blurs: [Uncertainty; M],
 }
 
+/// Sign of the numbers in a range; 0 if zero is among them, or within rounding of the bounds.
+fn sign_of_range(range: Interval) -> f64 {
+    if is_positive(range) {
+        1.0
+    } else if is_positive(-range) {
+        -1.0
+    } else {
+        0.0
+    }
+}
+
 impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// The mode that follows, and how many derivatives of each guard vanish. Contacts that are not
     /// to be decided are away from zero: none of theirs vanish.
     pub(super) fn mode(mut self, run: &mut StepState<N, M>) -> Result<Next<[Mode; M], M>, Error> {
-        let decided: Vec<usize> = (0..M)
+        let decided: Vec<usize> = (0..self.system.contacts())
             .filter(|&i| self.open[i] || self.released == Some(i))
             .collect();
         self.check(&decided)?;
@@ -61,9 +77,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             let joint = Joint::new(self.system, &self.modes);
             let shared = joint.hold_each_other(&self.at);
             let joint = joint.with_shared_load(shared);
-            let initial = self.initial_derivatives(run, &joint);
+            let ranges = self.ranges(run, &joint);
+            let initial = OnceCell::new();
+            let mut initial = || initial.get_or_init(|| self.initial_derivatives(run, &joint));
             for &i in &decided {
-                match self.first_motion(&joint, &initial, i) {
+                let clear = ranges.as_ref().and_then(|of| self.clear_motion(&of[i], i));
+                let motion = clear.unwrap_or_else(|| self.first_motion(&joint, initial(), i));
+                match motion {
                     FirstMotion::Order(order) => orders[i] = order,
                     FirstMotion::Instead(mode) => {
                         change = Some((i, mode));
@@ -140,6 +160,58 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         Ok(())
     }
 
+    /// Ranges of the guards and of their first three Lie derivatives along the motion in the
+    /// decided mode, over all states and times that the present one may stand for. One pass bounds
+    /// what [`Decision::initial_derivatives`] takes a pass in every direction to estimate. `None`
+    /// where a comparison in the fields is undecided.
+    fn ranges(
+        &self,
+        run: &mut StepState<N, M>,
+        joint: &Joint<'_, S, M>,
+    ) -> Option<[[Interval; 4]; M]> {
+        let Timed { t, x } = self.at;
+        let (tolerance, slack) = (run.options.tolerance(), run.slack());
+        run.counters.field_calls += joint.field_calls() * 4;
+        let time = Interval::around(t, STATE_ROUNDING * t.abs());
+        let state: [Interval; N] = std::array::from_fn(|k| {
+            let size = x[k].abs();
+            let by_tolerance = EVENT_PRECISION * (tolerance.atol + tolerance.rtol * size);
+            let is_used = k < self.system.dimension();
+            let radius = STATE_ROUNDING * size + by_tolerance.max(slack);
+            Interval::around(x[k], if is_used { radius } else { 0.0 })
+        });
+        Interval::decided(|| {
+            let path = flow_path(time, &state, |t, x| joint.field(t, x));
+            let guards: [_; M] = joint.field_and_guards(path.0, &path.1).1;
+            guards.map(|guard| [guard.re, guard.v1, guard.v2, guard.v3])
+        })
+    }
+
+    /// How a contact starts to move, if the range of one number has one sign and decides it.
+    fn clear_motion(&self, range: &[Interval; 4], i: usize) -> Option<FirstMotion> {
+        match self.modes[i] {
+            Mode::Stick => (sign_of_range(range[0]) > 0.0).then_some(FirstMotion::Order(0)),
+            Mode::Slip(side) => {
+                let order = if self.is_tangent(i) { 2 } else { 1 };
+                // The time is known to rounding, in which the derivative moves by the next one.
+                let next = range.get(order + 1)?;
+                let drift =
+                    STATE_ROUNDING * self.at.t.abs() * f64::max(next.low.abs(), next.high.abs());
+                let derivative = range[order] + Interval::new(-drift, drift);
+                let sign = sign_of_range(derivative);
+                (sign != 0.0).then(|| self.slip_begins(side, (order, sign), i))
+            }
+        }
+    }
+
+    /// Whether a slipping contact leaves its boundary along it: its holding has just reached its
+    /// limit, so that the rate is zero, whatever its rounding.
+    fn is_tangent(&self, i: usize) -> bool {
+        self.released == Some(i)
+            && !self.has_static_friction(i)
+            && (0..M).all(|j| j == i || self.modes[j] == self.before[j])
+    }
+
     /// Derivatives of the motion in the decided mode.
     fn initial_derivatives(
         &self,
@@ -148,9 +220,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;
         // Four passes through the field, and one for the rounding in each direction.
-        run.counters.field_calls += joint.field_calls() * 5 * (N as u64 + 1);
+        let dimension = self.system.dimension();
+        run.counters.field_calls += joint.field_calls() * 5 * (dimension as u64 + 1);
         InitialDerivatives {
-            derivatives: LieDerivatives::along(t, &x, run.slack(), |t, x| {
+            derivatives: LieDerivatives::along((t, &x, dimension), run.slack(), |t, x| {
                 let path = flow_path(t, x, |t, x| joint.field(t, x));
                 joint.field_and_guards(path.0, &path.1).1
             }),
@@ -177,21 +250,22 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 }
                 (order, _) => FirstMotion::Order(order.min(3)),
             },
-            Mode::Slip(_) => {
-                // Its holding has just reached its limit: the rate is zero, whatever its rounding.
-                let is_tangent = self.released == Some(i)
-                    && !self.has_static_friction(i)
-                    && (0..M).all(|j| j == i || self.modes[j] == self.before[j]);
-                match (derivatives.leading(is_tangent), self.modes[i]) {
-                    ((order, sign), _) if sign > 0.0 => FirstMotion::Order(order),
-                    // It stays.
-                    ((_, 0.0), _) if !self.can_hold(i) => FirstMotion::Order(3),
-                    (_, Mode::Slip(side)) if !self.can_hold(i) => {
-                        FirstMotion::Instead(Mode::Slip(side.opposite()))
-                    }
-                    _ => FirstMotion::Instead(Mode::Stick),
-                }
+            Mode::Slip(side) => {
+                let leading = derivatives.leading(self.is_tangent(i));
+                self.slip_begins(side, leading, i)
             }
+        }
+    }
+
+    /// How a contact on `side` starts to move by the first derivative of its guard that does not
+    /// vanish, and its sign.
+    fn slip_begins(&self, side: Side, (order, sign): (usize, f64), i: usize) -> FirstMotion {
+        match (sign, self.can_hold(i)) {
+            (sign, _) if sign > 0.0 => FirstMotion::Order(order),
+            (_, true) => FirstMotion::Instead(Mode::Stick),
+            // It remains at zero: no derivative up to the third moves it.
+            (0.0, false) => FirstMotion::Order(3),
+            (_, false) => FirstMotion::Instead(Mode::Slip(side.opposite())),
         }
     }
 
@@ -225,7 +299,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Whether the side of another contact that is to be decided affects the rate of this one.
     fn is_led(&self, i: usize) -> bool {
         let (t, x) = (self.at.t, components(&self.at.x));
-        (0..M).any(|j| {
+        (0..self.system.contacts()).any(|j| {
             let leads = || self.corners_of(&[j]).affine(t, x).slopes[i][0] != 0.0;
             j != i && self.open[j] && leads()
         })
@@ -240,6 +314,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// Whether a contact's friction at rest exceeds that in slip.
     pub(super) fn has_static_friction(&self, i: usize) -> bool {
+        if !self.system.has_static_friction() {
+            return false;
+        }
         let (at_rest, in_slip) = (self.friction(i, true), self.friction(i, false));
         (at_rest - in_slip).abs() > RELATIVE_ROUNDING * in_slip.abs()
     }
@@ -267,8 +344,29 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         if principal_minor(&gram, contacts) <= RELATIVE_ROUNDING {
             return dependent(contacts);
         }
-        let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
+        self.check_static(contacts)?;
+        if S::MULTI_AFFINE || self.system.frictions_add() {
+            return Ok(());
+        }
         for (index, &i) in contacts.iter().enumerate() {
+            for &j in &contacts[index + 1..] {
+                if !self.adds_up(i, j) {
+                    return fault(ContactFault::NotAdditive { pair: (i, j) });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that each contact's static friction is not below its friction in slip, and acts on
+    /// that contact alone.
+    fn check_static(&self, contacts: &[usize]) -> Result<(), Error> {
+        if !self.system.has_static_friction() {
+            return Ok(());
+        }
+        let fault = |fault| Err(Error::at_contacts(&self.at, fault));
+        let slipping: [f64; M] = std::array::from_fn(|i| self.friction(i, false));
+        for &i in contacts {
             let (at_rest, in_slip) = (self.friction(i, true), slipping[i]);
             if at_rest < in_slip - RELATIVE_ROUNDING * in_slip.abs() {
                 return fault(ContactFault::StaticBelowKinetic {
@@ -276,18 +374,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     ratio: at_rest / in_slip,
                 });
             }
-            for j in (0..M).filter(|j| *j != i) {
+            for j in (0..self.system.contacts()).filter(|j| *j != i) {
                 let mut rests = [false; M];
                 rests[i] = true;
                 let (beside, alone) = (self.friction_with(j, &rests), slipping[j]);
                 if (beside - alone).abs() > NEGLIGIBLE_FRICTION * (alone.abs() + in_slip.abs()) {
                     let (held, slipping) = (i, j);
                     return fault(ContactFault::HoldsElsewhere { held, slipping });
-                }
-            }
-            for &j in &contacts[index + 1..] {
-                if !S::MULTI_AFFINE && !self.adds_up(i, j) {
-                    return fault(ContactFault::NotAdditive { pair: (i, j) });
                 }
             }
         }

@@ -328,7 +328,8 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     where
         S: Contacts<N, M>,
     {
-        LieDerivatives::along(at.t, &at.x, slack, |t, x| {
+        let here = (at.t, &at.x, self.system.dimension());
+        LieDerivatives::along(here, slack, |t, x| {
             let path = flow_path(t, x, &field);
             self.system.boundaries(path.0, &path.1)
         })
@@ -477,7 +478,7 @@ pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     x: &State<N>,
 ) -> [State<N>; M] {
     let mut gradients = [State::from([0.0; N]); M];
-    for k in 0..N {
+    for k in 0..system.dimension() {
         let (t, x) = seeded(&Timed { t, x: *x }, k);
         for (gradient, h) in gradients.iter_mut().zip(system.boundaries(t, &x)) {
             gradient[k] = h.eps;
@@ -509,6 +510,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
             );
             CONTACT_NUMBERS.split_at(M).0
         }
+    }
+
+    fn dimension(&self) -> usize {
+        self.system.dimension()
     }
 
     #[inline(always)]

@@ -132,6 +132,31 @@ pub trait Contacts<const N: usize, const M: usize> {
     fn check_parameters(&self) -> Result<(), Error> {
         Ok(())
     }
+
+    /// Number of components of the state that the functions use, as [`crate::Filippov::dimension`].
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        N
+    }
+
+    /// Whether it is known that no rate depends on the sides of two contacts. Their frictions then
+    /// add, which need not be checked at every event.
+    fn frictions_add(&self) -> bool {
+        false
+    }
+
+    /// Whether [`Contacts::holding`] may differ from [`Contacts::field`]. If not, what static
+    /// friction must obey need not be checked at every event.
+    fn has_static_friction(&self) -> bool {
+        true
+    }
+
+    /// Number of contacts that exist: the first ones. The boundary functions of those beyond, in a
+    /// type with more room than the system needs, are positive constants.
+    #[inline(always)]
+    fn contacts(&self) -> usize {
+        M
+    }
 }
 
 impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
@@ -152,6 +177,20 @@ impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
     }
     fn check_parameters(&self) -> Result<(), Error> {
         (**self).check_parameters()
+    }
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        (**self).dimension()
+    }
+    #[inline(always)]
+    fn contacts(&self) -> usize {
+        (**self).contacts()
+    }
+    fn frictions_add(&self) -> bool {
+        (**self).frictions_add()
+    }
+    fn has_static_friction(&self) -> bool {
+        (**self).has_static_friction()
     }
 }
 

@@ -15,7 +15,7 @@ use crate::filippov::switched::{
     Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes,
 };
 use crate::filippov::two_fold::{two_fold_followed, two_fold_in_stick};
-use crate::filippov::uncertainty::{STATE_ROUNDING, uncertainties};
+use crate::filippov::uncertainty::{STATE_ROUNDING, propagate};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
@@ -276,6 +276,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             .collect()
     }
 
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
+
     const CONTACTS: usize = M;
 
     fn of_contacts(mode: &[Mode; M]) -> &[Mode] {
@@ -342,16 +346,22 @@ impl<S> Several<S> {
     {
         let joint = Joint::new(&self.0, modes);
         let Timed { t, x } = run.at;
-        let jets: [_; M] = joint.jets(t, &x);
-        let blurs: [_; M] = uncertainties(&joint, &run.at, &run.options.tolerance());
+        let heights = self.0.boundaries(t, components(&x));
+        let rates = rates(
+            &self.0,
+            (t, 1.0),
+            components(&x),
+            &joint.field(t, components(&x)),
+        );
+        let tolerance = run.options.tolerance();
+        let of = (self.0.dimension(), &tolerance);
+        let blurs: [_; M] = propagate(&run.at, of, |t, x| self.0.boundaries(t, x));
         std::array::from_fn(|i| match modes[i] {
             Mode::Stick => true,
             Mode::Slip(_) => {
-                let blur = blurs[i];
-                let [h, rate, ..] = jets[i];
                 // The time is known to rounding, and the rate scales it.
-                let drift = STATE_ROUNDING * rate.abs() * t.abs();
-                h.abs() <= blur.zero() + drift
+                let drift = STATE_ROUNDING * rates[i].abs() * t.abs();
+                heights[i].abs() <= blurs[i].zero() + drift
             }
         })
     }

@@ -64,6 +64,8 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub system: &'a S,
     pub events: &'a V,
     pub number: usize,
+    /// Number of components of the state in which derivatives are taken.
+    pub dimension: usize,
     pub over: &'a SampledStep<'a, K, N>,
     pub method: Method,
     /// Recent size of the state's components. A component that passes through zero is not more
@@ -195,7 +197,8 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
     }
 
     fn rounding(&self, at: &Timed<N>) -> f64 {
-        let (slopes, in_time) = gradient(|t, x| self.events.value(self.number, t, x), at);
+        let value = |t, x: &_| self.events.value(self.number, t, x);
+        let (slopes, in_time) = gradient(value, at, self.dimension);
         STATE_ROUNDING * (slopes.abs().dot(self.size) + in_time.abs() * at.t.abs())
     }
 }

@@ -157,6 +157,7 @@ where
                 system: self.system,
                 events: &self.events,
                 number,
+                dimension: self.system.dimension(),
                 over: &sampled,
                 method: self.method,
                 size: &self.size,
@@ -211,7 +212,8 @@ impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
     type Output = f64;
 
     fn with<F: Flow<N>>(self, flow: &F) -> f64 {
-        let [lie] = LieDerivatives::along(self.at.t, &self.at.x, 0.0, |t, x| {
+        let here = (self.at.t, &self.at.x, flow.dimension());
+        let [lie] = LieDerivatives::along(here, 0.0, |t, x| {
             let path = flow_path(t, x, |t, x| flow.field(t, x));
             [self.events.value(self.number, path.0, &path.1)]
         });
@@ -255,7 +257,8 @@ where
 
     /// Gradient of a function in the state, and its time derivative.
     fn slopes(&self, number: usize, at: &Timed<N>) -> (State<N>, f64) {
-        gradient(|t, x| self.events.value(number, t, x), at)
+        let value = |t, x: &_| self.events.value(number, t, x);
+        gradient(value, at, self.system.dimension())
     }
 
     /// The sign of a function at a moment; 0 where it may be rounding, or is within what is `left`
