@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Unpack
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -238,7 +238,7 @@ def bifurcation_diagram(
     *,
     longest: float = 2000.0,
     duration: float | None = None,
-    locate: bool = True,
+    locate: Literal["all", "periodic", "none"] | bool = "periodic",
     progress: bool = False,
     **options: Unpack[Options],
 ) -> BifurcationDiagram:
@@ -262,8 +262,10 @@ def bifurcation_diagram(
         Time after which an orbit without an attractor is undecided.
     duration : float, optional
         Time over which the largest Lyapunov exponent is measured. Default: no measurement.
-    locate : bool, optional
-        Whether changes of the attractor are located and named.
+    locate : {"periodic", "all", "none"}, optional
+        Which changes of the attractor are located and named. "periodic": those of orbits of few
+        loops, in at most as many integration steps as the attractors took; "all": each, however
+        long it takes. True is "periodic", False "none".
     progress : bool, optional
         Whether to show the number of finished values.
     **options : Options
@@ -292,13 +294,16 @@ def bifurcation_diagram(
     name = name_of(parameter)
     given = nonempty_array(values, "values", f"np.linspace(0.1, 0.5, 50) for {name}")
     begin = start_of_each(checked(system), y0)
+    which = {True: "periodic", False: "none"}.get(locate, locate)
+    if which not in ("all", "periodic", "none"):
+        raise ValueError(f"locate = {locate!r}: it is periodic, all or none")
     with progress_report(progress, "bifurcation_diagram", "values", total=len(given)) as report:
         found = call_engine(
             _core.bifurcation_diagram,
             system._core,
             begin,
             (name, given.tolist()),
-            (real(longest, "longest"), _duration(duration), bool(locate)),
+            (real(longest, "longest"), _duration(duration), which),
             settings(options),
             report,
         )

@@ -1,7 +1,7 @@
 //! Changes of an attractor at a parameter value, in words and for tables.
 
 use serde_json::{Value, json};
-use stickslip::analysis::{CycleBifurcation, SequenceChange, WhatChanges};
+use stickslip::analysis::{CycleBifurcation, NotFollowed, SequenceChange, WhatChanges};
 use stickslip_model::file::System;
 
 /// Phases before and after a change of the phases.
@@ -15,6 +15,17 @@ pub(super) fn sequence(change: &WhatChanges) -> Option<&SequenceChange> {
         WhatChanges::Sequence(change) => Some(change),
         _ => None,
     }
+}
+
+/// Whether an orbit doubles its period there.
+pub(super) fn is_flip(change: &WhatChanges) -> bool {
+    matches!(
+        change,
+        WhatChanges::Multiplier {
+            what: CycleBifurcation::Flip,
+            ..
+        }
+    )
 }
 
 /// A change of the phases in words: its name, with the contacts if the system has several.
@@ -75,6 +86,10 @@ pub(super) fn json(system: &System, change: &WhatChanges) -> Value {
             "name": what.to_string(),
             "x": x.as_slice(),
             "period": period,
+        } }),
+        WhatChanges::NotFollowed(why) => json!({ "not-followed": match why {
+            NotFollowed::Loops(loops) => json!({ "loops": loops }),
+            NotFollowed::Budget => json!("budget"),
         } }),
         WhatChanges::Unlocated => json!("unlocated"),
     }

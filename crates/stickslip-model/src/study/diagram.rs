@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
-    Attractor, AttractorChange, Exponent, SequenceChange, SweepPoint, WhatChanges, attractor,
-    attractor_of_many, carried_on, is_change, locate_changes,
+    Attractor, AttractorChange, Exponent, SequenceChange, StepBudget, SweepPoint, WhatChanges,
+    attractor, attractor_of_many, carried_on, is_change, locate_changes, locate_changes_within,
 };
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
@@ -14,6 +14,31 @@ use crate::file::{SettingError, System};
 /// Tolerance of the runs that locate changes. It is chosen near rounding: the parameter of a change
 /// is less accurate than the orbit by the slope of the event function.
 const LOCATION_TOLERANCE: f64 = 1e-13;
+
+/// Which changes of an attractor along a parameter are located.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Locates {
+    /// Each, whatever the work.
+    All,
+    /// Those of orbits of few loops, with at most as many integration steps as the attractors took
+    /// up to there.
+    #[default]
+    Periodic,
+    /// None.
+    Nothing,
+}
+
+impl Locates {
+    /// By its name on the command line and in Python.
+    pub fn named(name: &str) -> Option<Self> {
+        match name {
+            "all" => Some(Locates::All),
+            "periodic" => Some(Locates::Periodic),
+            "none" => Some(Locates::Nothing),
+            _ => None,
+        }
+    }
+}
 
 /// How an attractor is followed along a parameter.
 #[derive(Clone, Copy)]
@@ -26,8 +51,8 @@ pub struct Diagram<'a> {
     pub until: f64,
     /// Time over which the largest exponent is measured, if it is wanted.
     pub duration: Option<f64>,
-    /// Whether changes of the attractor are located.
-    pub locates: bool,
+    /// Which changes of the attractor are located.
+    pub locates: Locates,
     /// Settings of the solver.
     pub options: &'a Options,
 }
@@ -43,6 +68,8 @@ pub struct AtValue {
     pub largest: Option<Exponent>,
     /// Initial state of the orbit at the next value.
     carried: Vector,
+    /// Integration steps that locating changes may take.
+    unspent: u64,
 }
 
 impl Diagram<'_> {
@@ -74,18 +101,27 @@ impl Diagram<'_> {
             }
         };
         let reached = reported(reached, |error| describe(error, &here));
-        let found = AtValue {
+        let mut found = AtValue {
             value,
+            unspent: last.map_or(0, |last| last.unspent) + reached.steps,
             carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
             largest: self
                 .duration
                 .and_then(|duration| largest::on(&here, &reached, duration, self.options)),
             reached,
         };
-        let changes = match last.filter(|_| self.locates) {
-            Some(last) => self.located([last, &found], &here)?,
+        let budget = match self.locates {
+            Locates::Nothing => return Ok((found, Vec::new())),
+            Locates::Periodic => Some(StepBudget::of(found.unspent)),
+            Locates::All => None,
+        };
+        let changes = match last {
+            Some(last) => self.located([last, &found], &here, budget.as_ref())?,
             None => Vec::new(),
         };
+        if let Some(budget) = budget {
+            found.unspent = budget.left();
+        }
         Ok((found, changes))
     }
 
@@ -95,6 +131,7 @@ impl Diagram<'_> {
         &self,
         ends: [&AtValue; 2],
         here: &System,
+        budget: Option<&StepBudget>,
     ) -> Result<Vec<AttractorChange>, SettingError> {
         let points = ends.map(|at| SweepPoint {
             parameter: at.value,
@@ -108,7 +145,10 @@ impl Diagram<'_> {
         // The parameter is one state more, which may be one too many.
         let along = here.along(here.file.parameter(self.parameter)?).ok();
         let located = along.and_then(|along| {
-            let located = locate_changes(&along, &points, forcing, &options);
+            let located = match budget {
+                Some(budget) => locate_changes_within(&along, &points, forcing, &options, budget),
+                None => locate_changes(&along, &points, forcing, &options),
+            };
             located.ok()
         });
         let Some(mut located) = located else {

@@ -16,7 +16,7 @@ mod warnings;
 use stickslip::analysis::RecurrenceSettings;
 
 pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch};
-pub use diagram::{AtValue, Diagram};
+pub use diagram::{AtValue, Diagram, Locates};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};
 pub use extremes::extremes;
 pub use friction::FrictionWatch;

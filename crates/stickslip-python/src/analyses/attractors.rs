@@ -12,7 +12,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Diagram, largest, recurrence, reported};
+use stickslip_model::study::{Diagram, Locates, largest, recurrence, reported};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};
@@ -133,12 +133,13 @@ pub(crate) fn bifurcation_diagram<'py>(
     system: &System,
     x: Option<Vec<f64>>,
     along: (String, Vec<f64>),
-    how: (f64, Option<f64>, bool),
+    how: (f64, Option<f64>, String),
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, values) = along;
-    let (longest, duration, locates) = how;
+    let (longest, duration, which) = how;
+    let locates = Locates::named(&which).unwrap_or_default();
     let (compiled, options) = (&system.compiled, settings.options()?);
     check(compiled, longest)?;
     let outcome = computed(py, 0, (&report, ProgressKind::Count), |task| {

@@ -23,8 +23,8 @@ pub use attractors::{
 };
 pub use basin::{Basin, Share, basin, basin_while};
 pub use bifurcation::{
-    AttractorChange, SweepPoint, SweepSettings, WhatChanges, carried_on, is_change, locate_changes,
-    sweep,
+    AttractorChange, NotFollowed, SweepPoint, SweepSettings, WhatChanges, carried_on, is_change,
+    locate_changes, locate_changes_within, sweep,
 };
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, CycleBifurcation,
@@ -32,7 +32,7 @@ pub use continuation::{
     SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
     continue_periodic_orbit, switch_branches,
 };
-pub use cycle::{SequenceBifurcation, SequenceChange};
+pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::AttractorChange;
+use stickslip::analysis::{AttractorChange, WhatChanges};
 use stickslip::error::readable;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
@@ -19,7 +19,7 @@ use crate::render::{CommandOutput, Report, Table, place};
 use crate::sweep::Store;
 use diagram::DIRECTION_NAMES;
 use stickslip_model::file::System;
-use stickslip_model::study::{AtValue, Diagram, recurrence};
+use stickslip_model::study::{AtValue, Diagram, Locates, recurrence};
 
 /// Follow attractors along a parameter, up and down
 ///
@@ -47,6 +47,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
     values: NonZeroUsize,
 
+    /// Which changes are located
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
+    locate: Locate,
+
     #[command(flatten)]
     until: UntilArguments,
 
@@ -57,6 +61,29 @@ pub(super) struct Arguments {
     sweep: SweepArguments,
     #[command(flatten)]
     run: RunArguments,
+}
+
+/// Which changes are located.
+#[derive(Clone, Copy, Debug, Default, clap::ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Locate {
+    /// Every change, however long it takes
+    All,
+    /// Those of orbits of few loops, in at most as many integration steps as the attractors took
+    #[default]
+    Periodic,
+    /// None
+    None,
+}
+
+impl From<Locate> for Locates {
+    fn from(which: Locate) -> Locates {
+        match which {
+            Locate::All => Locates::All,
+            Locate::Periodic => Locates::Periodic,
+            Locate::None => Locates::Nothing,
+        }
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
@@ -77,6 +104,7 @@ pub(super) struct Bifurcation {
     parameter: ParameterRange,
     values: NonZeroUsize,
     start: StartArguments,
+    locate: Locate,
     /// Time after which an orbit counts as undecided.
     until: f64,
     duration: f64,
@@ -97,6 +125,7 @@ impl Bifurcation {
             parameter: ParameterRange::new("--parameter", &arguments.parameter, system)?,
             values: arguments.values,
             start: arguments.run.start.clone(),
+            locate: arguments.locate,
             until: arguments.until.of(system),
             duration: arguments.exponent.of(system)?,
             solver: arguments.run.solver.clone(),
@@ -162,7 +191,7 @@ impl Sweep for Bifurcation {
             parameter: &self.parameter.name,
             until: self.until,
             duration: Some(self.duration),
-            locates: true,
+            locates: self.locate.into(),
             options: &options,
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
@@ -191,7 +220,9 @@ impl Sweep for Bifurcation {
                 let reason = reason.map_or(String::new(), |why| format!(", first as {why}"));
                 report.note(format!("{name:<4}  {first} to {last}: {motion}{reason}"));
             }
+            let mut is_behind_flip = false;
             for AttractorChange { between, what } in &way.changes {
+                let follows_flip = std::mem::replace(&mut is_behind_flip, changes::is_flip(what));
                 let at = match what.parameter() {
                     Some(value) => {
                         let uncertainty = what.uncertainty().unwrap_or(0.0);
@@ -203,11 +234,20 @@ impl Sweep for Bifurcation {
                         readable(between.1)
                     ),
                 };
-                let words = match changes::sequence(what) {
-                    Some(change) => changes::words(system, change),
-                    None => what.to_string(),
+                let words = match (what, changes::sequence(what)) {
+                    (_, Some(change)) => changes::words(system, change),
+                    (WhatChanges::NotFollowed(_), _) if follows_flip => {
+                        format!("{what}, behind a flip: further flips may follow up to there")
+                    }
+                    _ => what.to_string(),
                 };
                 report.note(format!("{name:<4}  {at}: {words}"));
+            }
+            let is_left_out = |at: &AttractorChange| matches!(at.what, WhatChanges::NotFollowed(_));
+            if way.changes.iter().any(is_left_out) {
+                report.note(format!(
+                    "{name:<4}  `--locate all` follows what was not followed, however long it takes"
+                ));
             }
             for one in &way.replacements {
                 let between = way.changes.iter().filter(|at| at.between == one.values);

@@ -109,6 +109,8 @@ pub struct Attractor {
     /// Fraction of the duration of these phases in which a contact sticks. At an equilibrium, and
     /// without phases, it is 1 or 0 by the mode at the end.
     pub in_stick: f64,
+    /// Number of integration steps after which it was decided.
+    pub steps: u64,
     /// Mode at the end time.
     pub mode: Modes,
     /// Time at which integration stopped. If a contact stuck in the phase that ended then, it is

@@ -176,6 +176,7 @@ fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attract
         phases: Vec::new(),
         transitions: Vec::new(),
         in_stick: 0.0,
+        steps: 0,
         // No run has begun in which this could be an error.
         mode: Modes::new(&vec![Mode::Stick; system.contacts()]),
         t: 0.0,

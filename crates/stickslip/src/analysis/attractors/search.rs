@@ -386,6 +386,7 @@ impl<'a> Search<'a> {
             phases,
             transitions,
             in_stick,
+            steps: orbit.counters().steps,
             mode,
             t: last.t,
             x: last.x,

@@ -2,12 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use super::{SweepPoint, WhatChanges};
+use super::{NotFollowed, SweepPoint, WhatChanges};
 use crate::analysis::attractors::{Attractor, AttractorKind};
 use crate::analysis::continuation::{
     Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stop,
     continue_equilibrium,
 };
+use crate::analysis::cycle::StepBudget;
 use crate::dynamics::{Dynamics, DynamicsRef, Vector};
 use crate::filippov::Options;
 
@@ -19,17 +20,48 @@ pub(super) const NEXT_TO: f64 = 1e-6;
 /// steps are shortened where that is too long.
 const LONGEST_STEP: f64 = 0.1;
 
+/// Most loops of an orbit that is followed within a budget. Chosen: an orbit of a cascade that has
+/// as many is within a thousandth of the cascade's end.
+const MOST_LOOPS: usize = 64;
+
+/// Most loops of an orbit that is followed within a budget where the other attractor is not
+/// periodic. Chosen: an orbit of more loops ends in a cascade of flips, of which only the first is
+/// that orbit's, or belongs to a window far narrower than the interval.
+const MOST_LOOPS_BESIDE_CHAOS: usize = 8;
+
 /// The changes between two values: where the first attractor ends and, if that is elsewhere, where
-/// the second one begins.
+/// the second one begins. With a budget, each of the two may spend half of it, and orbits of many
+/// loops are not followed.
 pub(super) fn locate(
     system: &dyn Dynamics,
     ends: [&SweepPoint; 2],
     forcing: Option<f64>,
-    options: &Options,
+    (options, budget): (&Options, Option<&StepBudget>),
 ) -> Vec<WhatChanges> {
     let [one, other] = ends;
-    let first = Located::from(system, [one, other], forcing, options);
-    let second = Located::from(system, [other, one], forcing, options).reversed();
+    let most = match budget {
+        Some(_) if ends.iter().any(|end| is_irregular(&end.reached)) => MOST_LOOPS_BESIDE_CHAOS,
+        Some(_) => MOST_LOOPS,
+        None => usize::MAX,
+    };
+    let loops = ends.map(|end| loops(&end.reached));
+    let follow = |from: usize| {
+        if loops[from] > most {
+            return (Located::default(), Some(NotFollowed::Loops(loops[from])));
+        }
+        let part = budget.map(|budget| StepBudget::of(budget.left() / (2 - from as u64)));
+        let ends = [ends[from], ends[1 - from]];
+        let located = Located::from(system, ends, forcing, (options, part.as_ref()));
+        let mut is_cut = false;
+        if let (Some(budget), Some(part)) = (budget, &part) {
+            budget.spend(budget.left() / (2 - from as u64) - part.left());
+            is_cut = part.is_spent();
+        }
+        (located, is_cut.then_some(NotFollowed::Budget))
+    };
+    let (first, why_not) = follow(0);
+    let (second, why_not_other) = follow(1);
+    let second = second.reversed();
     let width = other.parameter - one.parameter;
     let phases = ends.map(|end| &end.reached);
     let places = [first.place(), second.place()];
@@ -49,9 +81,29 @@ pub(super) fn locate(
         }
     };
     match found {
-        [None, None] => vec![WhatChanges::Unlocated],
+        [None, None] => vec![
+            why_not
+                .or(why_not_other)
+                .map_or(WhatChanges::Unlocated, WhatChanges::NotFollowed),
+        ],
         some => some.into_iter().flatten().collect(),
     }
+}
+
+/// Number of loops of a periodic orbit; 0 of other motions.
+fn loops(attractor: &Attractor) -> usize {
+    match attractor.kind {
+        AttractorKind::Periodic { returns, .. } => returns,
+        _ => 0,
+    }
+}
+
+/// Whether an attractor is quasi-periodic or chaotic, or none was found.
+fn is_irregular(attractor: &Attractor) -> bool {
+    matches!(
+        attractor.kind,
+        AttractorKind::Recurrent | AttractorKind::Undecided
+    )
 }
 
 /// Of two names of one place, that by the orbit of the shorter period. The other orbit begins
@@ -62,7 +114,7 @@ pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
         _ => f64::INFINITY,
     };
     match (one, other) {
-        (WhatChanges::Unlocated, located) => located,
+        (WhatChanges::Unlocated | WhatChanges::NotFollowed(_), located) => located,
         (one, other) if period(&other) < period(&one) => other,
         (one, _) => one,
     }
@@ -107,7 +159,7 @@ fn orbit(
     from: &SweepPoint,
     (period, upwards): (f64, bool),
     settings: &ContinuationSettings,
-    options: &Options,
+    (options, budget): (&Options, Option<&StepBudget>),
 ) -> Option<Located> {
     // From a start in slip, the next stick removes its error. With a forcing, the orbit begins at
     // the strobe.
@@ -116,14 +168,17 @@ fn orbit(
     let points = || from.reached.points.first().map(|at| &at.x);
     let x = slip.map(|phase| &phase.x_start).or_else(points)?;
     let start = (extended(x, from.parameter), period, upwards);
-    let mut continuation = Continuation::begin(system, start, settings, (None, options)).ok()?;
+    let mut continuation =
+        Continuation::begin(system, start, settings, (None, options), budget).ok()?;
     let ends = |what: &CycleBifurcation| {
         matches!(what, CycleBifurcation::Sequence(_) | CycleBifurcation::Fold)
     };
     continuation.wanted = Some((ends, 0));
     let stop = continuation.go_on(&mut |_| ControlFlow::Continue(()));
     // Next to a boundary equilibrium the whole orbit comes to the boundary, and would graze it.
+    let is_spent = budget.is_some_and(StepBudget::is_spent);
     if stop != Stop::Range
+        && !is_spent
         && let Some((parameter, x)) = continuation.ends_at()
     {
         let x = states(x);
@@ -180,7 +235,7 @@ impl Located {
         system: &dyn Dynamics,
         [from, to]: [&SweepPoint; 2],
         forcing: Option<f64>,
-        options: &Options,
+        (options, budget): (&Options, Option<&StepBudget>),
     ) -> Self {
         let (here, there) = (from.parameter, to.parameter);
         let settings = ContinuationSettings {
@@ -194,7 +249,13 @@ impl Located {
                 // The forcing's own period is known exactly.
                 let forced = forcing.map(|one| one * returns as f64);
                 let settings = ContinuationSettings { forced, ..settings };
-                orbit(system, from, (period, upwards), &settings, options)
+                orbit(
+                    system,
+                    from,
+                    (period, upwards),
+                    &settings,
+                    (options, budget),
+                )
             }
             _ => None,
         };

@@ -7,7 +7,7 @@ use std::fmt;
 
 use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
 use super::continuation::CycleBifurcation;
-use super::cycle::SequenceChange;
+use super::cycle::{SequenceChange, StepBudget};
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
 use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Vector};
 use crate::error::Error;
@@ -74,7 +74,8 @@ impl AttractorChange {
             let is_same = |before: &&mut AttractorChange| {
                 before.between.1 == shared
                     && match (&before.what, &change.what) {
-                        (WhatChanges::Unlocated, one) | (one, WhatChanges::Unlocated) => {
+                        (WhatChanges::Unlocated | WhatChanges::NotFollowed(_), one)
+                        | (one, WhatChanges::Unlocated | WhatChanges::NotFollowed(_)) => {
                             one.is_near(shared, distance)
                         }
                         (one, other) => one.is_next_to(other, distance),
@@ -128,9 +129,30 @@ pub enum WhatChanges {
         /// Period.
         period: f64,
     },
+    /// The change was not followed to its place, to save work; see [`locate_changes_within`].
+    NotFollowed(NotFollowed),
     /// The change could not be located. The orbits on both sides continue through the interval, are
     /// not periodic, or do not converge.
     Unlocated,
+}
+
+/// Why a change was not followed to its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum NotFollowed {
+    /// The orbit has so many loops.
+    Loops(usize),
+    /// The budget of steps was spent.
+    Budget,
+}
+
+impl fmt::Display for NotFollowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            NotFollowed::Loops(loops) => write!(f, "not followed: an orbit of {loops} loops"),
+            NotFollowed::Budget => f.write_str("not followed: the budget of steps was spent"),
+        }
+    }
 }
 
 impl fmt::Display for WhatChanges {
@@ -145,6 +167,7 @@ impl fmt::Display for WhatChanges {
             WhatChanges::BoundaryEquilibrium { .. } => {
                 f.write_str("boundary-equilibrium bifurcation")
             }
+            WhatChanges::NotFollowed(why) => why.fmt(f),
             WhatChanges::Unlocated => f.write_str("not located"),
         }
     }
@@ -158,7 +181,7 @@ impl WhatChanges {
             WhatChanges::Equilibrium { parameter, .. }
             | WhatChanges::BoundaryEquilibrium { parameter, .. }
             | WhatChanges::Multiplier { parameter, .. } => Some(*parameter),
-            WhatChanges::Unlocated => None,
+            WhatChanges::NotFollowed(_) | WhatChanges::Unlocated => None,
         }
     }
 
@@ -187,7 +210,7 @@ impl WhatChanges {
             | WhatChanges::Equilibrium { x, .. }
             | WhatChanges::BoundaryEquilibrium { x, .. }
             | WhatChanges::Multiplier { x, .. } => Some(x),
-            WhatChanges::Unlocated => None,
+            WhatChanges::NotFollowed(_) | WhatChanges::Unlocated => None,
         }
     }
 
@@ -325,7 +348,36 @@ pub fn locate_changes<Kind>(
     forcing: Option<f64>,
     options: &Options,
 ) -> Result<Vec<AttractorChange>, Error> {
-    let system = &*system.dynamics();
+    located(&*system.dynamics(), points, forcing, (options, None))
+}
+
+/// [`locate_changes`] with at most so many integration steps, of which each pair of values may take
+/// half of what is left. Orbits of more than 64 loops, or of more than 8 next to a motion that is
+/// not periodic, are not followed. What is left out is [`WhatChanges::NotFollowed`].
+///
+/// # Errors
+/// Those of [`locate_changes`].
+pub fn locate_changes_within<Kind>(
+    system: &impl AsDynamics<Kind>,
+    points: &[SweepPoint],
+    forcing: Option<f64>,
+    options: &Options,
+    budget: &StepBudget,
+) -> Result<Vec<AttractorChange>, Error> {
+    located(
+        &*system.dynamics(),
+        points,
+        forcing,
+        (options, Some(budget)),
+    )
+}
+
+fn located(
+    system: &dyn Dynamics,
+    points: &[SweepPoint],
+    forcing: Option<f64>,
+    (options, budget): (&Options, Option<&StepBudget>),
+) -> Result<Vec<AttractorChange>, Error> {
     let mut of_pairs = Vec::new();
     for ends in points.windows(2) {
         let [one, other] = ends else { continue };
@@ -338,7 +390,12 @@ pub fn locate_changes<Kind>(
         }
         if is_change(&one.reached, &other.reached) {
             let between = (one.parameter, other.parameter);
-            let found = change::locate(system, [one, other], forcing, options).into_iter();
+            let part = budget.map(|budget| StepBudget::of(budget.left() / 2));
+            let within = (options, part.as_ref());
+            let found = change::locate(system, [one, other], forcing, within).into_iter();
+            if let (Some(budget), Some(part)) = (budget, part) {
+                budget.spend(budget.left() / 2 - part.left());
+            }
             of_pairs.extend(found.map(|what| AttractorChange { between, what }));
         }
     }

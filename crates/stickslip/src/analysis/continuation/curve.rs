@@ -83,7 +83,7 @@ pub fn continue_change<Kind>(
     let by_other = unit(place + 1, place);
     let start = (x, period, upwards);
     let fixed = Some((&by_other, value));
-    let mut continuation = Continuation::begin(system, start, settings, (fixed, options))?;
+    let mut continuation = Continuation::begin(system, start, settings, (fixed, options), None)?;
     let not_found = |what| Error::NotFound {
         what,
         t: 0.0,

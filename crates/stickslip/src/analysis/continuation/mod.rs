@@ -345,7 +345,7 @@ impl PartialBranch {
         settings.check()?;
         let system = &*system.dynamics();
         let start = (x.vector(), period, upwards);
-        let continuation = Continuation::begin(system, start, settings, (None, options))?;
+        let continuation = Continuation::begin(system, start, settings, (None, options), None)?;
         Ok(continuation.branch)
     }
 

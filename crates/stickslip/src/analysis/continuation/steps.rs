@@ -7,7 +7,7 @@ use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
     check_rate, check_start, critical, parameter_of,
 };
-use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting, Zero};
+use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting, StepBudget, Zero};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -58,6 +58,7 @@ impl<'a> Continuation<'a> {
         (x, period, upwards): (Vector, f64, bool),
         settings: &'a ContinuationSettings,
         (plane, options): (Option<(&'a Vector, f64)>, &'a Options),
+        budget: Option<&'a StepBudget>,
     ) -> Result<Self, Error> {
         let period = settings.forced.unwrap_or(period);
         let start = Moment { t: 0.0, x };
@@ -78,6 +79,7 @@ impl<'a> Continuation<'a> {
         let shooting = Shooting {
             states,
             plane,
+            budget,
             ..Shooting::of(system, &outline, settings.forced, options)
         };
         let row = outline.unit(last);
@@ -176,7 +178,8 @@ impl<'a> Continuation<'a> {
             return Stop::Range;
         }
         loop {
-            let is_enough = observe(&self.branch).is_break();
+            let is_spent = self.shooting.budget.is_some_and(StepBudget::is_spent);
+            let is_enough = is_spent || observe(&self.branch).is_break();
             if is_enough || self.branch.points.len() >= self.settings.most_points {
                 return Stop::Points;
             }
@@ -325,6 +328,10 @@ impl<'a> Continuation<'a> {
     /// Why the system cannot be integrated over a period from a moment of the last orbit, if so.
     pub(super) fn refused(&self, start: &Moment) -> Option<Stop> {
         let (system, options) = (self.shooting.system, self.shooting.options);
+        // The run takes about as many steps as the orbit did.
+        if let Some(budget) = self.shooting.budget {
+            budget.spend(self.branch.last.steps as u64);
+        }
         let error = run(system, start, start.t + self.branch.last.period, options).err()?;
         let is_of_friction = |error: &Error| match error {
             Error::Contacts { fault, .. } => fault.is_of_friction(),

@@ -41,7 +41,7 @@ pub fn switch_branches<Kind>(
     settings.check()?;
     let system = &*system.dynamics();
     let start = (x.vector(), period, upwards);
-    let mut continuation = Continuation::begin(system, start, settings, (None, options))?;
+    let mut continuation = Continuation::begin(system, start, settings, (None, options), None)?;
     let is_wanted = |what: &CycleBifurcation| {
         matches!(what, CycleBifurcation::Flip | CycleBifurcation::BranchPoint)
     };

@@ -15,6 +15,7 @@ mod path;
 mod pieces;
 mod sequence_change;
 mod shooting;
+mod step_budget;
 
 use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
 use crate::filippov::Options;
@@ -24,6 +25,7 @@ use outline::{Cut, Segment, segment_to_cut};
 pub(super) use path::{Function, Path, SAFETY, Zero, with_last_digits};
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
+pub use step_budget::StepBudget;
 
 /// Number of tolerances within which an orbit closes and its event functions vanish: an allowance
 /// for the errors of about as many steps.
@@ -56,6 +58,8 @@ pub(crate) struct Shooting<'a> {
     /// Whether every step, and every piece that carries tangent vectors, is taken in two halves. So
     /// the result differs by nearly the whole error, whatever decides the steps.
     pub is_finer: bool,
+    /// Steps that the orbits may take; `None` for any number.
+    pub budget: Option<&'a StepBudget>,
 }
 
 /// A vector of this length with a 1 at a place.

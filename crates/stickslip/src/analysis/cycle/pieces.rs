@@ -121,6 +121,9 @@ impl Shooting<'_> {
             let mode = (segment.mode, &segment.inside);
             let mut run = self.system.begin_in(mode, &begin, t_end, options).ok()?;
             while let OrbitProgress::Step = run.step().ok()? {
+                if self.budget.is_some_and(|budget| !budget.spend(1)) {
+                    return None;
+                }
                 steps.push((run.last_step(), run.solution()));
             }
             end = run.now();

@@ -41,6 +41,7 @@ impl<'a> Shooting<'a> {
             plane: None,
             options,
             is_finer: false,
+            budget: None,
         }
     }
 

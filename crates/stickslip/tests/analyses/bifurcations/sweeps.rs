@@ -4,8 +4,9 @@ use std::f64::consts::{LN_10, PI};
 
 use crate::is_same_cycle;
 use stickslip::analysis::{
-    AttractorChange, AttractorKind, CycleBifurcation, Exponent, SequenceBifurcation,
-    SequenceChange, SpectrumOptions, SweepPoint, SweepSettings, WhatChanges, locate_changes, sweep,
+    AttractorChange, AttractorKind, CycleBifurcation, Exponent, NotFollowed, SequenceBifurcation,
+    SequenceChange, SpectrumOptions, StepBudget, SweepPoint, SweepSettings, WhatChanges,
+    locate_changes, locate_changes_within, sweep,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
@@ -572,4 +573,34 @@ fn changes_are_located_on_a_system_with_the_parameter_as_its_last_state_only() {
         panic!("{refused}");
     };
     assert_eq!((name, value), ("the number of states", 2.0));
+}
+
+#[test]
+fn changes_are_followed_within_a_budget_of_steps() {
+    let family = |vd| leaked(Driven { vd }).dynamics();
+    let (settings, options) = (SweepSettings::within(3e4), Options::tol(1e-9));
+    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], &settings, &options).unwrap();
+    let taken: Vec<u64> = points.iter().map(|point| point.reached.steps).collect();
+    assert!(taken.iter().all(|steps| *steps > 10), "{taken:?}");
+    let finer = Options::tol(1e-13);
+    let within = |budget: &StepBudget| {
+        locate_changes_within(&DrivenFamily, &points, None, &finer, budget).unwrap()
+    };
+    let ample = StepBudget::of(1 << 40);
+    let found = within(&ample);
+    let all = locate_changes(&DrivenFamily, &points, None, &finer).unwrap();
+    assert_eq!(found, all);
+    assert!(
+        found.len() == 1 && found[0].what.parameter().is_some(),
+        "{found:?}"
+    );
+    // The one pair may take half, and each of its ends half of that.
+    let needed = (1 << 40) - ample.left();
+    assert_eq!(within(&StepBudget::of(4 * needed)), all);
+    let scarce = StepBudget::of(needed / 4);
+    let [cut] = &within(&scarce)[..] else {
+        panic!()
+    };
+    assert_eq!(cut.what, WhatChanges::NotFollowed(NotFollowed::Budget));
+    assert!(scarce.left() >= needed / 8, "{} of {needed}", scarce.left());
 }
