@@ -14,7 +14,7 @@ use super::builder::{Freed, NONE_FREE};
 use super::{FileError, Formula, Problem, SectionEntry, Source, SystemFile, did_you_mean};
 use crate::expression::Tape;
 use crate::kernel::{
-    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, dynamics,
+    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, Size, dynamics,
     sides_to_check,
 };
 
@@ -190,7 +190,7 @@ impl System {
             &file,
             &built,
             (sections.collect(), interrupt.clone()),
-            states,
+            [states, 0],
         )?;
         Ok(System {
             file,
@@ -276,8 +276,9 @@ impl System {
 
     fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, free)?;
-        let states = self.states() + free.iter().flatten().count();
+        let parameters = free.iter().flatten().count();
         let with = (Vec::new(), self.interrupt.clone());
+        let states = [self.states(), parameters];
         Ok(solver(&self.file, &built, with, states)?)
     }
 
@@ -459,17 +460,23 @@ fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, F
     built.map_err(|problem| FileError::wrong(problem, file.source.clone()))
 }
 
-/// The solver for the equations of a file with a given number of states.
+/// The solver for the equations of a file with these numbers of states and of parameters that are
+/// states behind them.
 fn solver(
     file: &SystemFile,
     built: &Built,
     (sections, interrupt): (Vec<Section>, Option<Arc<Interrupt>>),
-    states: usize,
+    [moving, parameters]: [usize; 2],
 ) -> Result<DynamicsRef<'static>, FileError> {
+    let states = moving + parameters;
     let contacts = file.contacts.len();
     let switching = built.switching.clone();
     let room = switching.room();
-    let size = (states, contacts);
+    let size = Size {
+        states,
+        parameters,
+        contacts,
+    };
     let solver = dynamics(equations(built), sections, switching, size, interrupt);
     // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {

@@ -11,6 +11,14 @@ use super::system::{Equations, ManyContacts, OneContact, OwnSections, Section};
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
+/// Numbers of states, of which the last may be parameters, and of contacts.
+#[derive(Clone, Copy, Debug)]
+pub struct Size {
+    pub states: usize,
+    pub parameters: usize,
+    pub contacts: usize,
+}
+
 /// Parts of a system besides its equations.
 type Extras = (OwnSections, Switching, Option<Arc<Interrupt>>);
 
@@ -21,7 +29,7 @@ pub fn dynamics(
     equations: Equations,
     sections: Vec<Section>,
     switching: Switching,
-    size: (usize, usize),
+    size: Size,
     interrupt: Option<Arc<Interrupt>>,
 ) -> Option<DynamicsRef<'static>> {
     let extras = (OwnSections(sections), switching, interrupt);
@@ -33,25 +41,26 @@ pub fn dynamics(
 }
 
 /// The dynamics of a system with at most one contact; `None` if it has too many states.
-fn of_one_contact(
-    system: OneContact,
-    extras: Extras,
-    (states, contacts): (usize, usize),
-) -> Option<Box<dyn Dynamics>> {
+fn of_one_contact(system: OneContact, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
         system: OneContact,
         (sections, switching, interrupt): Extras,
-        (states, contacts): (usize, usize),
+        size: Size,
     ) -> Box<dyn Dynamics>
     where
         OneContact: Filippov<N>,
     {
         let system = (system, sections, switching);
+        let (states, contacts) = (size.states, size.contacts);
         let typed =
             Typed::<_, OneContact, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
-        Box::new(typed.interrupted_by(interrupt))
+        Box::new(
+            typed
+                .with_parameters(size.parameters)
+                .interrupted_by(interrupt),
+        )
     }
-    let (size, room) = ((states, contacts), extras.1.room());
+    let room = extras.1.room();
     Some(match room {
         0..=2 => sized::<2>(system, extras, size),
         3 => sized::<3>(system, extras, size),
@@ -63,22 +72,23 @@ fn of_one_contact(
 }
 
 /// The dynamics of a system with several contacts; `None` if it has too many contacts or states.
-fn of_many_contacts(
-    system: ManyContacts,
-    extras: Extras,
-    (states, contacts): (usize, usize),
-) -> Option<Box<dyn Dynamics>> {
+fn of_many_contacts(system: ManyContacts, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
         system: ManyContacts,
         (sections, switching, interrupt): Extras,
-        (states, contacts): (usize, usize),
+        size: Size,
     ) -> Box<dyn Dynamics> {
         let system = (Several(system), sections, switching);
+        let (states, contacts) = (size.states, size.contacts);
         let typed = Typed::<_, Several<_>, _, _, Switching, N, M>::padded(system, states, contacts);
-        Box::new(typed.interrupted_by(interrupt))
+        Box::new(
+            typed
+                .with_parameters(size.parameters)
+                .interrupted_by(interrupt),
+        )
     }
-    let (size, room) = ((states, contacts), extras.1.room());
-    Some(match (room, contacts) {
+    let room = extras.1.room();
+    Some(match (room, size.contacts) {
         (0..=4, 0..=2) => sized::<4, 2>(system, extras, size),
         (0..=9, 0..=4) => sized::<9, 4>(system, extras, size),
         (0..=66, 0..=16) => sized::<66, 16>(system, extras, size),

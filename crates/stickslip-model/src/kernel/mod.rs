@@ -12,7 +12,7 @@ use stickslip::dynamics::{
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
-pub use compiled::dynamics;
+pub use compiled::{Size, dynamics};
 pub use inputs::{HELD_PER_INPUT, Input, Jump, Piece, Shape, Switching, pulse};
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,

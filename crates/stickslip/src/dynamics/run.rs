@@ -44,7 +44,7 @@ where
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
         let start = self.timed(start);
         let checked = self.check_inputs(&start);
-        let start = (start, self.states);
+        let start = (start, self.moving);
         let integration = checked
             .and_then(|()| Integration::with_stepper(self.system, start, t_end, options, stepper));
         let mut run = self.run(integration, t_end, options)?;
@@ -60,7 +60,7 @@ where
         options: &Options,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let in_mode = (S::restored(mode), &self.timed(inside));
-        let start = (self.timed(start), self.states);
+        let start = (self.timed(start), self.moving);
         let integration = Integration::in_mode(self.system, in_mode, start, t_end, options);
         Ok(Box::new(self.run(integration, t_end, options)?))
     }
@@ -80,7 +80,7 @@ where
             return Err(Error::Interval { t0: from.t, t_end });
         }
         let integration =
-            Integration::resumed(self.system, &from.step, self.states, t_end, options)
+            Integration::resumed(self.system, &from.step, self.moving, t_end, options)
                 .ok_or_else(of_another_system)?;
         let mut run = self.run(integration, t_end, options)?;
         let is_same = match (&mut run.jump_search, &from.jumps) {
@@ -143,6 +143,7 @@ where
         system,
         own: &NoSection,
         jumps: &NoJumps,
+        moving: N,
         states: N,
         contacts: S::CONTACTS,
         interrupt: None,

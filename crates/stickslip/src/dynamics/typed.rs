@@ -29,6 +29,8 @@ pub struct Typed<T, S, V, U, J, const N: usize, const G: usize> {
     pub(super) section: V,
     jumps: U,
     pub(super) states: usize,
+    /// Number of states before the parameters.
+    moving: usize,
     pub(super) contacts: usize,
     interrupt: Option<Arc<Interrupt>>,
     kind: PhantomData<fn() -> (S, J)>,
@@ -70,10 +72,20 @@ where
             section,
             jumps,
             states: states.min(N),
+            moving: states.min(N),
             contacts: contacts.min(S::CONTACTS),
             interrupt: None,
             kind: PhantomData,
         }
+    }
+
+    /// The system, of which so many last states are parameters. They are constant, and neither
+    /// enter the error of a step nor count as states there. So an orbit has the bits of the same
+    /// orbit with the parameters as constants.
+    #[must_use]
+    pub fn with_parameters(self, parameters: usize) -> Self {
+        let moving = self.states.saturating_sub(parameters);
+        Typed { moving, ..self }
     }
 
     /// The system, with orbits that end when the flag, if there is one, is raised.
@@ -87,6 +99,7 @@ where
             own: &self.section,
             jumps: self.jumps.borrow(),
             states: self.states,
+            moving: self.moving,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
         }
@@ -290,6 +303,7 @@ where
         own: of.section,
         jumps: &NoJumps,
         states: of.states,
+        moving: of.moving,
         contacts: of.contacts,
         interrupt: None,
     };

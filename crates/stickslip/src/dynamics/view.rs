@@ -18,6 +18,8 @@ pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) own: &'a V,
     pub(super) jumps: &'a J,
     pub(super) states: usize,
+    /// Number of states before the parameters.
+    pub(super) moving: usize,
     pub(super) contacts: usize,
     pub(super) interrupt: Option<&'a Interrupt>,
 }

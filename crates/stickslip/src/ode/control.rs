@@ -105,7 +105,7 @@ pub(crate) fn first_step<const N: usize>(
 ) -> f64 {
     let norm = |v: &State<N>| {
         let mut sum = 0.0;
-        for i in 0..N {
+        for i in 0..states {
             let q = v[i] / tolerance.scale(x[i].abs());
             sum += q * q;
         }
