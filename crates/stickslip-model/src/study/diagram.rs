@@ -15,13 +15,17 @@ use crate::file::{SettingError, System};
 /// is less accurate than the orbit by the slope of the event function.
 const LOCATION_TOLERANCE: f64 = 1e-13;
 
+/// Integration steps that locating changes may take besides those of the attractors. Chosen: about
+/// a second, so that short sweeps locate theirs.
+const STEPS_AT_START: u64 = 100_000;
+
 /// Which changes of an attractor along a parameter are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Locates {
     /// Each, whatever the work.
     All,
-    /// Those of orbits of few loops, with at most as many integration steps as the attractors took
-    /// up to there.
+    /// Those of orbits of few loops, with at most about as many integration steps as attractors and
+    /// exponents took up to there, and some more at the start.
     #[default]
     Periodic,
     /// None.
@@ -101,9 +105,12 @@ impl Diagram<'_> {
             }
         };
         let reached = reported(reached, |error| describe(error, &here));
+        // The exponent is measured at about as many steps for a time.
+        let measured = self.duration.map_or(0.0, |duration| duration / reached.t);
+        let steps = reached.steps as f64 * (1.0 + measured.max(0.0));
         let mut found = AtValue {
             value,
-            unspent: last.map_or(0, |last| last.unspent) + reached.steps,
+            unspent: last.map_or(STEPS_AT_START, |last| last.unspent) + steps as u64,
             carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
             largest: self
                 .duration

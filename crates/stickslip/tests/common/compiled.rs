@@ -3,7 +3,7 @@
 
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Filippov, Scalar, Side};
-use stickslip_model::kernel::{Equations, OneContact, Switching, dynamics};
+use stickslip_model::kernel::{Equations, OneContact, Size, Switching, dynamics};
 use stickslip_model::trace::trace;
 
 /// A system in a form for which the solver is compiled: its formulas or, if it branches on values,
@@ -53,7 +53,12 @@ impl<const N: usize> Traced<N> {
 
     pub fn dynamics(self) -> DynamicsRef<'static> {
         let equations = Equations::OneContact(Box::new(self.formulas));
-        dynamics(equations, Vec::new(), Switching::none(N), (N, 1), None).expect("few states")
+        let size = Size {
+            states: N,
+            parameters: 0,
+            contacts: 1,
+        };
+        dynamics(equations, Vec::new(), Switching::none(N), size, None).expect("few states")
     }
 }
 

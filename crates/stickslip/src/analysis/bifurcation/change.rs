@@ -18,7 +18,7 @@ pub(super) const NEXT_TO: f64 = 1e-6;
 
 /// Longest step between the values, as a fraction of the interval and of the orbit's size. Chosen:
 /// steps are shortened where that is too long.
-const LONGEST_STEP: f64 = 0.1;
+const LONGEST_STEP: f64 = 0.5;
 
 /// Most loops of an orbit that is followed within a budget. Chosen: an orbit of a cascade that has
 /// as many is within a thousandth of the cascade's end.
@@ -30,8 +30,8 @@ const MOST_LOOPS: usize = 64;
 const MOST_LOOPS_BESIDE_CHAOS: usize = 8;
 
 /// The changes between two values: where the first attractor ends and, if that is elsewhere, where
-/// the second one begins. With a budget, each of the two may spend half of it, and orbits of many
-/// loops are not followed.
+/// the second one begins. With a budget, an orbit is not followed if it has many loops, or if what
+/// is left would not do.
 pub(super) fn locate(
     system: &dyn Dynamics,
     ends: [&SweepPoint; 2],
@@ -45,25 +45,45 @@ pub(super) fn locate(
         None => usize::MAX,
     };
     let loops = ends.map(|end| loops(&end.reached));
-    let follow = |from: usize| {
-        if loops[from] > most {
-            return (Located::default(), Some(NotFollowed::Loops(loops[from])));
-        }
-        let part = budget.map(|budget| StepBudget::of(budget.left() / (2 - from as u64)));
-        let ends = [ends[from], ends[1 - from]];
-        let located = Located::from(system, ends, forcing, (options, part.as_ref()));
-        let mut is_cut = false;
-        if let (Some(budget), Some(part)) = (budget, &part) {
-            budget.spend(budget.left() / (2 - from as u64) - part.left());
-            is_cut = part.is_spent();
-        }
-        (located, is_cut.then_some(NotFollowed::Budget))
-    };
-    let (first, why_not) = follow(0);
-    let (second, why_not_other) = follow(1);
-    let second = second.reversed();
-    let width = other.parameter - one.parameter;
     let phases = ends.map(|end| &end.reached);
+    let (mut found, mut why_not) = ([Located::default(), Located::default()], None);
+    // Of two orbits, that of fewer loops takes fewer steps, and may explain the other.
+    let are_orbits = loops.iter().all(|&loops| loops > 0);
+    let order = if are_orbits && loops[1] < loops[0] {
+        [1, 0]
+    } else {
+        [0, 1]
+    };
+    for from in order {
+        let is_explained = |from: usize| {
+            let doubles = loops[1 - from] == 2 * loops[from] && found[from].is_flip();
+            are_orbits && (doubles || found[from].connects(phases))
+        };
+        if is_explained(1 - from) {
+            break;
+        }
+        if loops[from] > most {
+            why_not = Some(NotFollowed::Loops(loops[from]));
+            continue;
+        }
+        let is_short = |budget: &StepBudget| budget.left() < needed(&ends[from].reached);
+        if budget.is_some_and(is_short) {
+            why_not = Some(NotFollowed::Budget);
+            continue;
+        }
+        let towards = [ends[from], ends[1 - from]];
+        let located = Located::from(system, towards, forcing, (options, budget));
+        if budget.is_some_and(StepBudget::is_spent) {
+            why_not = Some(NotFollowed::Budget);
+        }
+        found[from] = if from == 0 {
+            located
+        } else {
+            located.reversed()
+        };
+    }
+    let [first, second] = found;
+    let width = other.parameter - one.parameter;
     let places = [first.place(), second.place()];
     let connects = [&first, &second].map(|one| one.connects(phases));
     let found = match (connects, places) {
@@ -81,11 +101,9 @@ pub(super) fn locate(
         }
     };
     match found {
-        [None, None] => vec![
-            why_not
-                .or(why_not_other)
-                .map_or(WhatChanges::Unlocated, WhatChanges::NotFollowed),
-        ],
+        [None, None] => {
+            vec![why_not.map_or(WhatChanges::Unlocated, WhatChanges::NotFollowed)]
+        }
         some => some.into_iter().flatten().collect(),
     }
 }
@@ -94,6 +112,20 @@ pub(super) fn locate(
 fn loops(attractor: &Attractor) -> usize {
     match attractor.kind {
         AttractorKind::Periodic { returns, .. } => returns,
+        _ => 0,
+    }
+}
+
+/// About the number of steps that it takes to follow an attractor to its change.
+fn needed(attractor: &Attractor) -> u64 {
+    // Orbits on a branch, with those that Newton's iterations, a zero and its uncertainty take.
+    // Chosen: 75 to 150 in a cascade of flips.
+    const ORBITS: f64 = 100.0;
+    match attractor.kind {
+        AttractorKind::Periodic { period, .. } => {
+            (ORBITS * attractor.steps as f64 * period / attractor.t) as u64
+        }
+        // An equilibrium takes no steps.
         _ => 0,
     }
 }
@@ -281,6 +313,15 @@ impl Located {
             } => Some(*parameter),
             _ => None,
         }
+    }
+
+    /// Whether the orbit's multiplier passes -1, and no phase changes.
+    fn is_flip(&self) -> bool {
+        let is_flip = |change: &WhatChanges| match change {
+            WhatChanges::Multiplier { what, .. } => *what == CycleBifurcation::Flip,
+            _ => false,
+        };
+        self.named.is_none() && self.smooth.as_ref().is_some_and(is_flip)
     }
 
     /// Whether it is a change from the phases of one attractor to those of the other, or not a

@@ -351,9 +351,9 @@ pub fn locate_changes<Kind>(
     located(&*system.dynamics(), points, forcing, (options, None))
 }
 
-/// [`locate_changes`] with at most so many integration steps, of which each pair of values may take
-/// half of what is left. Orbits of more than 64 loops, or of more than 8 next to a motion that is
-/// not periodic, are not followed. What is left out is [`WhatChanges::NotFollowed`].
+/// [`locate_changes`] with at most so many integration steps. An orbit that would take more than
+/// are left is not followed, nor is one of more than 64 loops, or of more than 8 next to a motion
+/// that is not periodic. What is left out is [`WhatChanges::NotFollowed`].
 ///
 /// # Errors
 /// Those of [`locate_changes`].
@@ -390,12 +390,8 @@ fn located(
         }
         if is_change(&one.reached, &other.reached) {
             let between = (one.parameter, other.parameter);
-            let part = budget.map(|budget| StepBudget::of(budget.left() / 2));
-            let within = (options, part.as_ref());
+            let within = (options, budget);
             let found = change::locate(system, [one, other], forcing, within).into_iter();
-            if let (Some(budget), Some(part)) = (budget, part) {
-                budget.spend(budget.left() / 2 - part.left());
-            }
             of_pairs.extend(found.map(|what| AttractorChange { between, what }));
         }
     }
