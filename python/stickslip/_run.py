@@ -30,6 +30,7 @@ from ._results import call_engine, make_result, structured
 from ._symbols import (
     Direction,
     Expression,
+    Parameter,
     State,
     out_of_bounds,
     readable,
@@ -152,7 +153,17 @@ class DenseOutput:
             system, start, t_end, options, memory = self._run
             until, nothing = (t_end, self.t_max), np.empty(0)
             again = call_engine(
-                _core.solve, system._core, start, until, [], nothing, True, options, memory, None
+                _core.solve,
+                system._core,
+                start,
+                until,
+                [],
+                nothing,
+                True,
+                options,
+                memory,
+                [],
+                None,
             )
             self._core = again["sol"]
         found: Floats = call_engine(self._core.at, np.ascontiguousarray(times.ravel()))
@@ -204,6 +215,14 @@ class Solution:
         ``-`` or ``+`` for slip below or above, ``S`` for stick; ``|`` separates several contacts.
     system : System
         The system.
+    dy : ndarray, shape (n, m, k), or None
+        With `derivatives`: those of the states at `t`, by each of the variables. `transitions` then
+        also has ``dt`` (k), ``dy_before`` and ``dy`` (n, k): of the times, and of the states along
+        with them.
+    dt_events : list of ndarray, shape (j, k), or None
+        Derivatives of the times of each event.
+    dy_events : list of ndarray, shape (j, n, k), or None
+        Derivatives of the states at the events, which move with their times.
     """
 
     t: Floats
@@ -217,6 +236,9 @@ class Solution:
     transitions: NDArray[np.void]
     phases: NDArray[np.void]
     system: System
+    dy: Floats | None = None
+    dt_events: list[Floats] | None = None
+    dy_events: list[Floats] | None = None
     _between: DenseOutput | None = None
     _memory: str | None = None
     _made: Any = None
@@ -283,6 +305,15 @@ def _end_of(
     return end, sol._memory
 
 
+def _of_events(
+    slopes: list[dict[str, Floats] | None] | None, name: str, shape: tuple[int, ...]
+) -> list[Floats] | None:
+    """Derivatives at each event; none where there was no passage."""
+    if slopes is None:
+        return None
+    return [np.empty((0, *shape)) if one is None else one[name] for one in slopes]
+
+
 def solve_ivp(
     system: System,
     t_span: tuple[float, float],
@@ -292,6 +323,7 @@ def solve_ivp(
     dense_output: bool = False,
     events: Event | Expression | Sequence[Event | Expression] | None = None,
     *,
+    derivatives: Sequence[Parameter | State | str] | None = None,
     progress: bool = False,
     **options: Unpack[OptionsButMethod],
 ) -> Solution:
@@ -317,6 +349,11 @@ def solve_ivp(
     events : Event, Expression or a sequence of them, optional
         Further events to locate in the same run, whose bits they do not change. The first terminal
         one in time ends it. Symbols in them have the values that they have in the system.
+    derivatives : sequence of Parameter, State or str, optional
+        Parameters, states (for their start values), and "t0" for the start time, by which the orbit
+        is differentiated, through all its events; see `Solution.dy`. The start state is held fixed,
+        also where it is a formula of a parameter. At a graze, and where two contacts come to zero
+        at once, there is no derivative: a warning says when, and what follows is NaN.
     progress : bool, optional
         Whether to show the progress of the run; as a bar if tqdm is installed.
     **options : Options
@@ -353,6 +390,9 @@ def solve_ivp(
         begin, memory = _end_of(y0, system, t0, made)
     else:
         begin = start(system, t0, y0)
+    if derivatives is not None and memory is not None:
+        raise ValueError("derivatives of a run that goes on from another one are not known")
+    by = [one if isinstance(one, str) else one.name for one in derivatives or []]
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
@@ -379,6 +419,7 @@ def solve_ivp(
             dense_output,
             made,
             memory,
+            by,
             report,
         )
     end = found.pop("t_end")
@@ -390,6 +431,15 @@ def solve_ivp(
         warnings.warn(doubt, SolverWarning, stacklevel=2)
     passed, dense = found.pop("events"), found.pop("sol")
     found["y"] = found["y"].T
+    of_events = None
+    if "derivatives" in found:
+        slopes = found.pop("derivatives")
+        found["dy"] = slopes["dy"].transpose(1, 0, 2)
+        found["transitions"].update(slopes["transitions"])
+        of_events = [slopes.get(f"event {k}") for k in range(len(watched))]
+        if slopes["lost"] is not None:
+            message = f"there are no derivatives from there on: {slopes['lost']}"
+            warnings.warn(message, SolverWarning, stacklevel=2)
     for table in ("transitions", "phases"):
         found[table] = structured(found[table])
     between = DenseOutput((system, begin, t_end, made, memory), end, dense)
@@ -401,6 +451,8 @@ def solve_ivp(
         _between=between if times is None else None,
         t_events=None if events is None else [one[0] for one in passed],
         y_events=None if events is None else [one[1] for one in passed],
+        dt_events=_of_events(of_events, "dt", (len(by),)),
+        dy_events=_of_events(of_events, "dy", (found["y"].shape[0], len(by))),
         system=system,
         _made=made,
     )

@@ -394,6 +394,13 @@ def test_a_change_is_located_where_it_is():
     assert (fold["from_value"][0], fold["to_value"][0]) == (-0.9, -1.3)
     none = ss.bifurcation_diagram(rings(), "p", [-0.9, -1.3], [1.2, 0], longest=500, locate=False)
     assert len(none.changes) == 0
+    for locate in ("all", True):
+        again = ss.bifurcation_diagram(
+            rings(), "p", [-0.9, -1.3], [1.2, 0], longest=500, locate=locate
+        )
+        assert again.changes["name"].tolist() == found.changes["name"].tolist()
+    with pytest.raises(ValueError, match="it is periodic, all or none"):
+        ss.bifurcation_diagram(rings(), "p", [-0.9, -1.3], [1.2, 0], locate="some")
     stiff = ss.System({x: -p * x + 1}, start={x: 1 / p})
     assert ss.bifurcation_diagram(stiff, p, [1.0, 2.0]).kind == ["equilibrium"] * 2
 

@@ -223,7 +223,7 @@ def test_an_error_in_a_report_ends_the_work():
         raise RuntimeError(f"it is at {at}")
 
     until, times, made = (1e9, np.inf), np.empty(0), _arguments.settings({})
-    found = _core.solve(system._core, (0.0, [0.0]), until, [], times, False, made, None, report)
+    found = _core.solve(system._core, (0.0, [0.0]), until, [], times, False, made, None, [], report)
     assert "it is at" in str(found["raised"])
 
 

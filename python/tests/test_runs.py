@@ -413,6 +413,51 @@ def test_events_end_a_run_in_any_order():
     assert sol.sol.t_max == sol.t[-1]
 
 
+def test_derivatives_pass_events_and_stop_at_a_graze():
+    x, v = ss.states("x v")
+    mu, speed, k = ss.parameters(mu=0.6, speed=0.2, k=1.3)
+    belt = ss.Contact("belt", boundary=v - speed, friction=lambda side: mu / (1 + side * v))
+    system = ss.System({x: v, v: -k * x - belt.friction}, contacts=[belt])
+    start, by = [0.1, 0.9], [mu, speed, k, x, "t0"]
+    times = [3.0, 11.0]
+    event = ss.event(x - 0.05, direction="rising")
+    sol = ss.solve_ivp(system, (0, 12), start, t_eval=times, events=event, derivatives=by)
+    plain = ss.solve_ivp(system, (0, 12), start, t_eval=times, events=event)
+    assert np.array_equal(sol.y, plain.y) and plain.dy is None and plain.dt_events is None
+    assert sol.dy.shape == (2, 2, 5) and sol.transitions["dy"].shape[1:] == (2, 5)
+    assert sol.dt_events[0].shape == (len(sol.t_events[0]), 5)
+
+    def moved(column, h):
+        values = {"mu": 0.6, "speed": 0.2, "k": 1.3}
+        if column < 3:
+            values[by[column].name] += h
+        y = [start[0] + h * (column == 3), start[1]]
+        other = system.with_parameters(**values)
+        return ss.solve_ivp(other, (h * (column == 4), 12), y, t_eval=times, events=event)
+
+    h = 1e-5
+    for column in range(5):
+        plus, minus = moved(column, h), moved(column, -h)
+        for own, one, two in [
+            (sol.dy[..., column], plus.y, minus.y),
+            (sol.transitions["dt"][:, column], plus.transitions["t"], minus.transitions["t"]),
+            (sol.transitions["dy"][..., column], plus.transitions["y"], minus.transitions["y"]),
+            (sol.dt_events[0][:, column], plus.t_events[0], minus.t_events[0]),
+            (sol.dy_events[0][..., column], plus.y_events[0], minus.y_events[0]),
+        ]:
+            assert np.allclose(own, (one - two) / (2 * h), rtol=1e-5, atol=1e-5)
+
+    edge = ss.Contact("edge", boundary=x - (1 - 1e-13))
+    graze = ss.System({x: v, v: edge.by_side(-x, -x - 0.3)}, contacts=[edge])
+    with pytest.warns(ss.SolverWarning, match="no derivatives from there on"):
+        lost = ss.solve_ivp(graze, (0, 3), [0, 1], t_eval=[1, 2.5], derivatives=[x])
+    assert np.isfinite(lost.dy[:, 0]).all() and np.isnan(lost.dy[:, 1]).all()
+    with pytest.raises(ValueError, match="did you mean `speed`"):
+        ss.solve_ivp(system, (0, 1), start, derivatives=["spede"])
+    with pytest.raises(ValueError, match="goes on from another"):
+        ss.solve_ivp(system, (12, 13), plain, derivatives=[mu])
+
+
 def test_import_is_fast_and_needs_numpy_only():
     code = (
         # Time of the processor: other programs may be running.

@@ -7,14 +7,15 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use stickslip::analysis::{EventDerivatives, OrbitDerivatives};
 use stickslip::dynamics::{
-    Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step,
+    Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step,
     Summary, Transition, Vector,
 };
 use stickslip::{Ending, Error, Options};
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::kernel::follow_on;
-use stickslip_model::study::{FrictionWatch, StepMonitor};
+use stickslip_model::study::{DerivativeError, FrictionWatch, StepMonitor, Variables};
 
 use crate::errors::{Keywords, failed, words};
 use crate::fields::{Fields, array};
@@ -308,6 +309,7 @@ pub(crate) fn solve<'py>(
     dense_output: bool,
     settings: Settings,
     from: Option<&str>,
+    derivatives: Vec<String>,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t_end, limit) = until;
@@ -324,10 +326,100 @@ pub(crate) fn solve<'py>(
     let mut signals = Signals::new(report);
     let wanted = (requested, dense_output, limit);
     let compiled = &system.compiled;
+    let variables = Variables::named(compiled, derivatives.iter().map(String::as_str));
+    let variables = variables.map_err(|error| {
+        PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
+    })?;
     let run = ((t, &x[..]), t_end, &options);
     let solved = py.detach(|| solved(compiled, &most, run, wanted, from.as_ref(), &mut signals));
+    let found = match derivatives.is_empty() {
+        true => None,
+        false => Some(py.detach(|| differentiated(compiled, &variables, run, most.len(), &solved))),
+    };
     let fields = described(py, compiled, solved, (t, x.len()))?;
+    if let Some(found) = found {
+        let found = found.map_err(|error| match error {
+            DerivativeError::Setting(error) => PyValueError::new_err(error.to_string()),
+            DerivativeError::Run(error) => failed(&error, Some(compiled)),
+        })?;
+        fields.fields(
+            "derivatives",
+            derivative_fields(py, compiled, &found, derivatives.len())?,
+        )?;
+    }
     fields.ended(signals.raised)
+}
+
+/// Derivatives of a run, as far as it was recorded.
+fn differentiated(
+    system: &CompiledSystem,
+    variables: &Variables,
+    (start, t_end, options): ((f64, &[f64]), f64, &Options),
+    events: usize,
+    solved: &Solved<'_>,
+) -> Result<OrbitDerivatives, DerivativeError> {
+    let recording = &solved.recording;
+    let mut times: Vec<f64> = recording.points.iter().map(|point| point.0).collect();
+    let wanted = times.len();
+    // Events go on behind the last requested time.
+    times.extend(Some(recording.last.0).filter(|last| times.last().is_none_or(|t| t < last)));
+    let sections = system.sections();
+    let sections = sections.get(..events).unwrap_or_default();
+    let mut found = variables.along(system, (start, t_end), (&times, sections), options)?;
+    found.states.truncate(wanted);
+    variables.fit(
+        system,
+        &mut found,
+        recording.transitions.iter().map(|(at, _)| at.t),
+    );
+    for (number, event) in recording.events.iter().enumerate() {
+        let mut left = event.found.len();
+        found.passages.retain(|(of, _)| {
+            let is_kept = *of != number || left > 0;
+            left -= usize::from(*of == number && left > 0);
+            is_kept
+        });
+    }
+    Ok(found)
+}
+
+/// Derivatives for Python.
+fn derivative_fields<'py>(
+    py: Python<'py>,
+    system: &CompiledSystem,
+    found: &OrbitDerivatives,
+    variables: usize,
+) -> PyResult<Fields<'py>> {
+    let fields = Fields::new(py);
+    let row = [system.states(), variables];
+    let flat = |of: &Matrix| of.transpose().as_slice().to_vec();
+    fields.array("dy", found.states.iter().flat_map(flat).collect(), row)?;
+    let events = |of: &[&EventDerivatives]| -> PyResult<Fields<'py>> {
+        let table = Fields::new(py);
+        let all = || of.iter();
+        table.array(
+            "dt",
+            all().flat_map(|at| at.t.clone()).collect(),
+            [variables],
+        )?;
+        table.array(
+            "dy_before",
+            all().flat_map(|at| flat(&at.before)).collect(),
+            row,
+        )?;
+        table.array("dy", all().flat_map(|at| flat(&at.after)).collect(), row)?;
+        Ok(table)
+    };
+    let transitions: Vec<_> = found.transitions.iter().collect();
+    fields.fields("transitions", events(&transitions)?)?;
+    let count = found.passages.iter().map(|(number, _)| number + 1).max();
+    for number in 0..count.unwrap_or(0) {
+        let own = found.passages.iter().filter(|(of, _)| *of == number);
+        let own: Vec<_> = own.map(|(_, event)| event).collect();
+        fields.fields(&format!("event {number}"), events(&own)?)?;
+    }
+    fields.put("lost", found.lost.as_ref().map(|why| words(why, system)))?;
+    Ok(fields)
 }
 
 /// The end of a run, from its text.

@@ -177,9 +177,9 @@ pub trait Filippov<const N: usize> {
         None
     }
 
-    /// Number of components of the state that the functions use: the first ones. Those beyond, in
-    /// a type with more room than the system needs, are constant and affect nothing. Derivatives are
-    /// taken in the used ones only.
+    /// Number of components of the state that the functions use: the first ones. Those beyond, in a
+    /// type with more room than the system needs, are constant and affect nothing. Derivatives by
+    /// them are not taken.
     #[inline(always)]
     fn dimension(&self) -> usize {
         N

@@ -7,6 +7,7 @@ mod bifurcation;
 mod changes;
 mod check;
 mod continuation;
+mod derivatives;
 mod exponent;
 mod figures;
 mod lyapunov;

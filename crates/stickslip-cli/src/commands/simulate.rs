@@ -8,6 +8,7 @@ use stickslip::error::{Point, readable};
 use stickslip::{Ending, Error};
 
 use super::arguments::{PreparedRun, RunArguments};
+use super::derivatives;
 use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
 use super::resume::End;
 use super::trajectory::{self, transitions};
@@ -30,6 +31,10 @@ pub(super) struct Arguments {
     /// single run.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["start", "t_start"])]
     resume: Option<PathBuf>,
+    /// Also write the derivatives of states and times of events by these parameters, start values
+    /// of states, or the time of the start, which is t0: derivatives.csv, event_derivatives.csv
+    #[arg(long, value_name = "NAME,...", conflicts_with = "resume")]
+    derivatives: Option<String>,
     /// Draw no figures
     #[arg(long)]
     no_figures: bool,
@@ -77,6 +82,10 @@ fn followed(
     if system.file.jumps.iter().all(|jump| jump.most.is_none()) {
         options.check_span(*t, t_end)?;
     }
+    let by = arguments.derivatives.as_ref();
+    let by = by
+        .map(|list| derivatives::variables(system, list))
+        .transpose()?;
     let wanted = Wanted {
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,
@@ -97,6 +106,9 @@ fn followed(
     let lists = arguments.run.output.json;
     let mut report = report(system, &recording, outcome.ok().as_ref(), lists);
     trajectory::put(system, &recording, &mut report)?;
+    if let Some(variables) = &by {
+        derivatives::put(prepared, t_end, variables, &recording, &mut report)?;
+    }
     if let Some(memory) = recording.memory.take() {
         report.table(End::of(system, options, memory).artifact()?);
     }

@@ -21,6 +21,38 @@ fn text(path: impl AsRef<Path>) -> String {
 }
 
 #[test]
+fn derivatives_have_a_row_for_each_step_and_each_transition() {
+    let top = folder();
+    let simulate = |by: &str| {
+        let mut command = program(top.path());
+        command.args(["simulate", "belt", "--no-figures", "--out", "run"]);
+        command.args(["--derivatives", by]).assert()
+    };
+    simulate("mu0, x,t0").success();
+    let at = |name: &str| text(top.path().join("run").join(name));
+    let (found, steps) = (at("derivatives.csv"), at("steps.csv"));
+    assert!(found.starts_with("t,dx/dmu0,dx/dx,dx/dt0,dv/dmu0,dv/dx,dv/dt0\n0.0,0.0,1.0,"));
+    assert_eq!(found.lines().count(), steps.lines().count());
+    let (events, transitions) = (at("event_derivatives.csv"), at("transitions.csv"));
+    assert!(events.starts_with("t,kind,contact,dt/dmu0,dt/dx,dt/dt0,before_dx/dmu0,"));
+    assert_eq!(events.lines().count(), transitions.lines().count());
+    // An autonomous orbit that begins later is later throughout.
+    for row in events.lines().skip(1) {
+        let later: f64 = row.split(',').nth(5).unwrap().parse().unwrap();
+        assert!((later - 1.0).abs() < 1e-6, "{row}");
+    }
+    for (by, said) in [
+        (
+            "mu",
+            "--derivatives mu: `mu` is neither a parameter nor a state: did you mean `mu0`?",
+        ),
+        ("x,x", "`x` is given twice"),
+    ] {
+        simulate(by).code(2).stderr(contains(said));
+    }
+}
+
+#[test]
 fn an_example_is_written_checked_and_run() {
     let top = folder();
     for name in [

@@ -566,6 +566,25 @@ fn a_flip_that_a_value_of_a_diagram_hits_is_reported_once() {
             ["parameter", "uncertainty"].map(|key| change[key].as_f64().unwrap());
         assert!(off.abs() <= uncertainty && uncertainty < 1e-9, "{off:e}");
     }
+    let mut none = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    none.current_dir(top.path()).args([
+        "bifurcation",
+        "doubled.toml",
+        "--json",
+        "--parameter",
+        "p=-0.1:0.1",
+        "--start",
+        "x=1.3",
+        "--duration",
+        "20",
+        "--values",
+        "3",
+        "--locate",
+        "none",
+    ]);
+    let output = none.assert().success();
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    assert_eq!(json["down"]["changes"], serde_json::json!([]));
 }
 
 #[test]

@@ -388,20 +388,24 @@ pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> O
         .flatten()
 }
 
-/// Whether no rate depends on the sides of two contacts, so that frictions add.
+/// Whether no rate depends on the sides of two contacts, in slip or while contacts hold, so that
+/// frictions add.
 fn frictions_add(file: &SystemFile, values: &[f64], free: Freed) -> Result<bool, Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
-    let scope = Scope::Sides(Combination { above: 0, held: 0 });
-    let mut builder = Builder::new(file, inputs, &mut graph, scope);
-    for rate in &file.field {
-        (builder.sided, _) = (0, builder.forget());
-        builder.formula(rate.on_side(false))?;
-        if builder.sided.count_ones() > 1 {
-            return Ok(false);
+    let all = (1 << file.contacts.len()) - 1;
+    let mut sided = vec![0_usize; file.field.len()];
+    for held in [0, all] {
+        let scope = Scope::Sides(Combination { above: 0, held });
+        let mut builder = Builder::new(file, inputs, &mut graph, scope);
+        for (sided, rate) in sided.iter_mut().zip(&file.field) {
+            builder.sided = 0;
+            builder.forget();
+            builder.formula(rate.on_side(false))?;
+            *sided |= builder.sided;
         }
     }
-    Ok(true)
+    Ok(sided.iter().all(|sided| sided.count_ones() <= 1))
 }
 
 /// The tape of the field of one combination, and whether it depends on time.
@@ -437,6 +441,9 @@ fn inputs<'a>(
     graph: &mut Graph,
 ) -> Result<Inputs<'a>, Problem> {
     let inputs = Inputs::free(values, free);
+    if !free.scales_time {
+        return Ok(inputs);
+    }
     let reference = period(file, values)?;
     Ok(inputs.paced(pace(file, inputs, reference, graph)?))
 }

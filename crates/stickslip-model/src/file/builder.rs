@@ -27,11 +27,42 @@ pub(super) enum Scope {
 /// The scope of a parameter's value, which has numbers alone.
 pub(super) const NUMBERS: Scope = Scope::Constant("the value of a parameter");
 
-/// Up to two parameters that are states.
-pub(crate) type Freed = [Option<usize>; 2];
+/// Most parameters that can be states at once.
+pub const MOST_FREE: usize = 16;
+
+/// Parameters that are states.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Freed {
+    /// In order of these states.
+    pub parameters: [Option<usize>; MOST_FREE],
+    /// Whether time is scaled so that a period that depends on them stays what it is.
+    pub scales_time: bool,
+}
 
 /// All parameters have their values.
-pub(crate) const NONE_FREE: Freed = [None; 2];
+pub(crate) const NONE_FREE: Freed = Freed {
+    parameters: [None; MOST_FREE],
+    scales_time: true,
+};
+
+impl Freed {
+    /// These parameters; the first [`MOST_FREE`] of them.
+    pub fn of(parameters: &[usize], scales_time: bool) -> Self {
+        let mut freed = Freed {
+            scales_time,
+            ..NONE_FREE
+        };
+        for (slot, parameter) in freed.parameters.iter_mut().zip(parameters) {
+            *slot = Some(*parameter);
+        }
+        freed
+    }
+
+    /// Their number.
+    pub fn count(&self) -> usize {
+        self.parameters.iter().flatten().count()
+    }
+}
 
 /// Parameters and time of an expression.
 #[derive(Clone, Copy, Debug)]
@@ -61,12 +92,13 @@ impl<'a> Inputs<'a> {
 
     /// Number of parameters that are states.
     pub(super) fn count_free(&self) -> usize {
-        self.free.iter().flatten().count()
+        self.free.count()
     }
 
     /// Index of a parameter among those that are states.
     fn place(&self, parameter: usize) -> Option<usize> {
         self.free
+            .parameters
             .iter()
             .flatten()
             .position(|free| *free == parameter)

@@ -57,6 +57,7 @@ mod table;
 mod undefined;
 
 pub use build::Built;
+pub use builder::MOST_FREE;
 pub use error_text::Interface;
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};

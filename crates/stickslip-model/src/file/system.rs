@@ -181,17 +181,8 @@ impl System {
         interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
         let states = file.states.len();
-        let sections = built.sections.iter().zip(&file.sections);
-        let sections = sections.map(|(function, section)| Section {
-            function: function.clone(),
-            direction: section.direction,
-        });
-        let dynamics = solver(
-            &file,
-            &built,
-            (sections.collect(), interrupt.clone()),
-            [states, 0],
-        )?;
+        let with = (sections(&file, &built), interrupt.clone());
+        let dynamics = solver(&file, &built, with, [states, 0])?;
         Ok(System {
             file,
             values,
@@ -259,7 +250,7 @@ impl System {
     /// # Errors
     /// [`SettingError::File`] if the expressions are too large with an additional state.
     pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
-        self.freed([Some(parameter), None])
+        self.freed(Freed::of(&[parameter], true))
     }
 
     /// [`System::along`] with two parameters as states, of which this one is the last.
@@ -271,13 +262,26 @@ impl System {
         other: usize,
         parameter: usize,
     ) -> Result<DynamicsRef<'static>, SettingError> {
-        self.freed([Some(other), Some(parameter)])
+        self.freed(Freed::of(&[other, parameter], true))
+    }
+
+    /// The system with parameters as additional last states, in this order and at most
+    /// [`MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that begins with
+    /// their values takes the same steps as that of this system.
+    ///
+    /// # Errors
+    /// See [`System::along`].
+    pub fn with_states_of(
+        &self,
+        parameters: &[usize],
+    ) -> Result<DynamicsRef<'static>, SettingError> {
+        self.freed(Freed::of(parameters, false))
     }
 
     fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
         let built = built(&self.file, &self.values, free)?;
-        let parameters = free.iter().flatten().count();
-        let with = (Vec::new(), self.interrupt.clone());
+        let parameters = free.count();
+        let with = (sections(&self.file, &built), self.interrupt.clone());
         let states = [self.states(), parameters];
         Ok(solver(&self.file, &built, with, states)?)
     }
@@ -452,6 +456,16 @@ impl System {
         let height = self.boundary(contact, Dual::constant(t), &seeded);
         (height.re, height.eps)
     }
+}
+
+/// The sections of a system.
+fn sections(file: &SystemFile, built: &Built) -> Vec<Section> {
+    let sections = built.sections.iter().zip(&file.sections);
+    let sections = sections.map(|(function, section)| Section {
+        function: function.clone(),
+        direction: section.direction,
+    });
+    sections.collect()
 }
 
 /// Builds the tapes, or reports the fault in the file.

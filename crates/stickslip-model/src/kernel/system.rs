@@ -97,6 +97,10 @@ pub struct Fields {
 /// evaluation.
 const MOST_STORED_TAPES: usize = 1 << 14;
 
+/// A factor that spreads numbers over all bits: 2^64 over the golden ratio (Knuth, *The Art of
+/// Computer Programming* 3, Sect. 6.4).
+const SPREAD: usize = 0x9E37_79B9_7F4A_7C15;
+
 /// Number of slots in which a combination is looked for. More would take as long as a rebuild.
 const PROBES: usize = 16;
 
@@ -153,7 +157,12 @@ impl Fields {
 
     /// The slots of a combination, in order of search: its own first, then the following ones.
     fn slots_of(&self, of: Combination) -> impl Iterator<Item = &TapeSlot> {
-        let own = (of.above | of.held << self.contacts) % self.slots.len();
+        let key = of.above | of.held << self.contacts;
+        let own = match self.slots.len() {
+            // All have room. Otherwise neighbours are spread.
+            all if 2 * self.contacts < all.ilog2() as usize + 1 => key % all,
+            some => (key.wrapping_mul(SPREAD) >> (usize::BITS - some.ilog2())) % some,
+        };
         let (before, from_own) = self.slots.split_at(own);
         from_own.iter().chain(before).take(PROBES)
     }

@@ -106,11 +106,14 @@ impl Diagram<'_> {
         };
         let reached = reported(reached, |error| describe(error, &here));
         // The exponent is measured at about as many steps for a time.
-        let measured = self.duration.map_or(0.0, |duration| duration / reached.t);
+        let measured = self.duration.filter(|_| reached.kind.is_attractor());
+        let measured = measured.map_or(0.0, |duration| duration / reached.t);
         let steps = reached.steps as f64 * (1.0 + measured.max(0.0));
         let mut found = AtValue {
             value,
-            unspent: last.map_or(STEPS_AT_START, |last| last.unspent) + steps as u64,
+            unspent: last
+                .map_or(STEPS_AT_START, |last| last.unspent)
+                .saturating_add(steps as u64),
             carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
             largest: self
                 .duration

@@ -1,6 +1,7 @@
 //! Studies of a system from a file, shared by the program and the Python package.
 
 mod branch;
+mod derivatives;
 mod diagram;
 mod equilibria;
 mod extremes;
@@ -16,6 +17,7 @@ mod warnings;
 use stickslip::analysis::RecurrenceSettings;
 
 pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch};
+pub use derivatives::{DerivativeError, NoVariable, START_TIME, Variables};
 pub use diagram::{AtValue, Diagram, Locates};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};
 pub use extremes::extremes;

@@ -129,7 +129,8 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
 
 /// Den Hartog's orbit at S = 0.2 where its stick begins at the edge. It is released at x = -A with
 /// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there.
-/// So rounding leaves nearby orbits open by 1e-5, and the location uncertain by 1e-6.
+/// So rounding leaves nearby orbits open by 1e-5, and a location there uncertain by 1e-6. From afar
+/// it is at least a hundred times as precise.
 #[test]
 fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     // From Newton's iteration with 40 digits; the test checks the equations.
@@ -155,7 +156,7 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
         };
         let off = (at.parameter - FREQUENCY).abs();
         assert!(
-            off < 1e-9 && off <= at.uncertainty && at.uncertainty < 2e-9,
+            off < 1e-9 && off <= at.uncertainty && at.uncertainty < 1e-8,
             "{low}: {off} {}",
             at.uncertainty
         );

@@ -33,6 +33,27 @@ fn warning(system: &System) -> Option<String> {
     watch.warning()
 }
 
+/// Frictions that add in slip, of which one does not while the other contact holds: that is refused
+/// on arrival, and not followed as if they added.
+#[test]
+fn static_friction_that_depends_on_another_side_is_refused() {
+    let text = |more: &str| {
+        format!(
+            "name = \"two\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\nw = \"\"\n\
+             [contacts.a]\nboundary = \"v\"\nfriction = \"1\"\nstatic = \"1.2{more}\"\n\
+             [contacts.b]\nboundary = \"w\"\nfriction = \"0.5\"\n\
+             [field]\nx = \"v\"\nv = \"-0.1*x - friction(a)\"\ny = \"w\"\n\
+             w = \"-0.1*y - friction(b)\"\n[start]\nx = 0.1\nv = 0\ny = 0.2\nw = 0\n\
+             [time]\nend = 3\n"
+        )
+    };
+    let options = Options::default();
+    let (run, _) = super::run::simulated_by(&text(""), &options, None);
+    assert_eq!(run.end("x"), 0.1);
+    let words = super::run::failed(&text(" + 0.1*b"), &options);
+    assert!(words.contains("side of"), "{words}");
+}
+
 #[test]
 fn a_constant_below_zero_is_refused_where_it_is_written() {
     for law in [

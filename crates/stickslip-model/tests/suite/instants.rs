@@ -533,7 +533,8 @@ fn a_jump_at_the_kink_of_an_input_sees_the_value_behind_it() {
         let text = format!(
             "name = \"case\"\n[time]\nend = 2\n[states]\nx = \"\"\n[discrete]\nn = 0\n\
              [inputs.u]\nshape = \"table\"\ntimes = [0, 1, 1, 3]\nvalues = [0, 0, 1, 1]\n\
-             [jumps.read]\nwhen = \"{when}\"\ndirection = \"rising\"\nset = {{ n = \"u + 0.25\" }}\n\
+             [jumps.read]\nwhen = \"{when}\"\ndirection = \"rising\"\n\
+             set = {{ n = \"u + 0.25\" }}\n\
              [field]\nx = \"{rate} + 0*u\"\n[start]\nx = {start}\n"
         );
         for method in METHODS {

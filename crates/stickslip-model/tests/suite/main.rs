@@ -4,6 +4,7 @@ mod against_compiled;
 mod bad_files;
 mod blocks;
 mod branches;
+mod derivatives;
 mod extremes;
 mod friction;
 mod hybrid;

@@ -139,7 +139,8 @@ const SYSTEMS: [(&str, f64); 8] = [
     // Contact and jump accumulate, and rest.
     (
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.c]\nboundary = \"x\"\n[jumps.j]\n\
-         when = \"x\"\nset = { v = \"0.5*v\" }\n[field]\nx = \"v\"\nv = \"-c\"\n[start]\nx = 1\nv = 0\n",
+         when = \"x\"\nset = { v = \"0.5*v\" }\n[field]\nx = \"v\"\nv = \"-c\"\n\
+         [start]\nx = 1\nv = 0\n",
         6.0,
     ),
     // Two blocks.

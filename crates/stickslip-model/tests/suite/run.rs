@@ -59,9 +59,14 @@ pub struct Run {
 impl Run {
     /// Follows the orbit from the start of the file to a time, or to the end in the file.
     pub fn of(system: System, options: &Options, t_end: Option<f64>) -> Run {
-        let (mut transitions, mut passages) = (Vec::new(), Vec::new());
-        let x = system.start().unwrap();
+        let start = (system.built.t_start, system.start().unwrap());
         let t_end = t_end.or(system.built.t_end).unwrap();
+        Run::from(system, options, (start, t_end))
+    }
+
+    /// Follows the orbit from a time and state to a time.
+    pub fn from(system: System, options: &Options, ((t, x), t_end): ((f64, Vec<f64>), f64)) -> Run {
+        let (mut transitions, mut passages) = (Vec::new(), Vec::new());
         let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
             match progress {
                 OrbitProgress::Transition(at) => {
@@ -80,7 +85,7 @@ impl Run {
             }
             ControlFlow::Continue(())
         };
-        let start = (system.built.t_start, &x[..]);
+        let start = (t, &x[..]);
         let (dynamics, sections) = (system.dynamics(), system.sections());
         let ended = follow(dynamics, start, t_end, options, &sections, &mut watcher);
         Run {

@@ -7,6 +7,7 @@ mod bifurcation;
 mod continuation;
 mod critical;
 mod cycle;
+mod derivatives;
 mod lagrange;
 mod lyapunov;
 mod monodromy;
@@ -33,6 +34,7 @@ pub use continuation::{
     continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
+pub use derivatives::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,

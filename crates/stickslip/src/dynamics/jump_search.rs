@@ -326,8 +326,8 @@ where
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
             self.leave_zero(number, due.left, integration);
-            // A jump that moves its function by less than rounding, to where the function goes on to
-            // the next jump, has no end but an accumulation.
+            // A jump that moves its function by less than rounding, to where the function goes on
+            // to the next jump, has no end but an accumulation.
             let value = |x: &State<N>| self.jumps.when(number, t, components(x));
             if self.search.stands_at_zero(number)
                 && self.goes(number, self.search.side(number))

@@ -76,7 +76,7 @@ where
         if from.x.len() != self.states {
             return Err(of_another_system());
         }
-        if !(t_end > from.t) {
+        if t_end <= from.t || t_end.is_nan() {
             return Err(Error::Interval { t0: from.t, t_end });
         }
         let integration =

@@ -80,8 +80,8 @@ where
     }
 
     /// The system, of which so many last states are parameters. They are constant, and neither
-    /// enter the error of a step nor count as states there. So an orbit has the bits of the same
-    /// orbit with the parameters as constants.
+    /// enter the error of a step nor count as states there: steps are those of the same orbit with
+    /// the parameters as constants. Where events are located, their rounding counts.
     #[must_use]
     pub fn with_parameters(self, parameters: usize) -> Self {
         let moving = self.states.saturating_sub(parameters);

@@ -73,10 +73,10 @@ impl LieDerivatives {
         one
     }
 
-    /// Of a function of the first `dimension` components of the state, whose values along a field
-    /// are given by `path`. The rounding is the change of
-    /// the derivatives if state and time change by [`STATE_ROUNDING`], and every component by
-    /// `slack`. A component that should be zero is zero only to that.
+    /// Derivatives of a function of the first `dimension` components of the state. `path` gives its
+    /// values along a field. The rounding is the change of the derivatives if state and time change
+    /// by [`STATE_ROUNDING`], and every component by `slack`. A component that should be zero is
+    /// zero only to that.
     pub(crate) fn along<const N: usize, const G: usize>(
         (t, x, dimension): (f64, &State<N>, usize),
         slack: f64,

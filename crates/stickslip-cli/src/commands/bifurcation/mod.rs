@@ -67,12 +67,13 @@ pub(super) struct Arguments {
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Locate {
-    /// Every change, however long it takes
+    /// Every orbit is followed, however long it takes
     All,
-    /// Those of orbits of few loops, in at most as many integration steps as the attractors took
+    /// Orbits of few loops are followed, in about as many integration steps as attractors and
+    /// exponents took up to there, and 100000 more
     #[default]
     Periodic,
-    /// None
+    /// No orbit is followed
     None,
 }
 

@@ -16,17 +16,15 @@ use crate::filippov::Options;
 /// the interval. Chosen: far above rounding. Two changes that are nearer count as one.
 pub(super) const NEXT_TO: f64 = 1e-6;
 
-/// Longest step between the values, as a fraction of the interval and of the orbit's size. Chosen:
-/// steps are shortened where that is too long.
-const LONGEST_STEP: f64 = 0.5;
+/// Longest step between the values, as a fraction of the interval and of the orbit's size: without
+/// a budget, and within one. Chosen: steps are shortened where that is too long. Longer ones save
+/// half the orbits, and may pass two changes that undo each other.
+const LONGEST_STEP: f64 = 0.1;
+const LONGEST_STEP_WITHIN_BUDGET: f64 = 0.5;
 
-/// Most loops of an orbit that is followed within a budget. Chosen: an orbit of a cascade that has
-/// as many is within a thousandth of the cascade's end.
-const MOST_LOOPS: usize = 64;
-
-/// Most loops of an orbit that is followed within a budget where the other attractor is not
-/// periodic. Chosen: an orbit of more loops ends in a cascade of flips, of which only the first is
-/// that orbit's, or belongs to a window far narrower than the interval.
+/// Most loops of an orbit that is followed within a budget where the other attractor is irregular.
+/// Chosen: an orbit of more loops ends in a cascade of flips, of which only the first is that
+/// orbit's, or belongs to a window far narrower than the interval.
 const MOST_LOOPS_BESIDE_CHAOS: usize = 8;
 
 /// The changes between two values: where the first attractor ends and, if that is elsewhere, where
@@ -39,15 +37,15 @@ pub(super) fn locate(
     (options, budget): (&Options, Option<&StepBudget>),
 ) -> Vec<WhatChanges> {
     let [one, other] = ends;
+    let is_beside_chaos = ends.iter().any(|end| is_irregular(&end.reached));
     let most = match budget {
-        Some(_) if ends.iter().any(|end| is_irregular(&end.reached)) => MOST_LOOPS_BESIDE_CHAOS,
-        Some(_) => MOST_LOOPS,
-        None => usize::MAX,
+        Some(_) if is_beside_chaos => MOST_LOOPS_BESIDE_CHAOS,
+        _ => usize::MAX,
     };
-    let loops = ends.map(|end| loops(&end.reached));
+    let loops = ends.map(|end| loops(&end.reached, forcing.is_some()));
     let phases = ends.map(|end| &end.reached);
     let (mut found, mut why_not) = ([Located::default(), Located::default()], None);
-    // Of two orbits, that of fewer loops takes fewer steps, and may explain the other.
+    // The orbit of fewer loops takes fewer steps, and may explain the other one.
     let are_orbits = loops.iter().all(|&loops| loops > 0);
     let order = if are_orbits && loops[1] < loops[0] {
         [1, 0]
@@ -56,10 +54,11 @@ pub(super) fn locate(
     };
     for from in order {
         let is_explained = |from: usize| {
-            let doubles = loops[1 - from] == 2 * loops[from] && found[from].is_flip();
+            let doubles = found[from].is_flip() && is_double(phases[1 - from], phases[from]);
             are_orbits && (doubles || found[from].connects(phases))
         };
         if is_explained(1 - from) {
+            why_not = None;
             break;
         }
         if loops[from] > most {
@@ -73,8 +72,10 @@ pub(super) fn locate(
         }
         let towards = [ends[from], ends[1 - from]];
         let located = Located::from(system, towards, forcing, (options, budget));
+        // What ends for want of steps looks as if it had no continuation.
         if budget.is_some_and(StepBudget::is_spent) {
             why_not = Some(NotFollowed::Budget);
+            continue;
         }
         found[from] = if from == 0 {
             located
@@ -100,20 +101,35 @@ pub(super) fn locate(
             [named.or(smooth), None]
         }
     };
-    match found {
-        [None, None] => {
-            vec![why_not.map_or(WhatChanges::Unlocated, WhatChanges::NotFollowed)]
-        }
-        some => some.into_iter().flatten().collect(),
+    let why_not = why_not.map(WhatChanges::NotFollowed);
+    let found: Vec<WhatChanges> = found.into_iter().flatten().chain(why_not).collect();
+    match found.is_empty() {
+        true => vec![WhatChanges::Unlocated],
+        false => found,
     }
 }
 
-/// Number of loops of a periodic orbit; 0 of other motions.
-fn loops(attractor: &Attractor) -> usize {
-    match attractor.kind {
-        AttractorKind::Periodic { returns, .. } => returns,
-        _ => 0,
-    }
+/// Number of loops of a periodic orbit; 0 of other motions. With a forcing it is the number of its
+/// periods, else that of the rarest transition.
+fn loops(attractor: &Attractor, is_forced: bool) -> usize {
+    let AttractorKind::Periodic { returns, .. } = attractor.kind else {
+        return 0;
+    };
+    let all = &attractor.transitions;
+    let count = |one: &_| all.iter().filter(|other| *other == one).count();
+    let rarest = all.iter().map(count).min();
+    rarest.filter(|_| !is_forced).unwrap_or(returns)
+}
+
+/// Whether an orbit has the transitions of another one twice.
+fn is_double(double: &Attractor, single: &Attractor) -> bool {
+    let (double, single) = (&double.transitions, &single.transitions);
+    let count = single.len();
+    let is_alike = |first: usize| {
+        let mut pairs = double.iter().zip(single.iter().cycle().skip(first));
+        pairs.all(|(one, other)| one == other)
+    };
+    double.len() == 2 * count && (0..count.max(1)).any(is_alike)
 }
 
 /// About the number of steps that it takes to follow an attractor to its change.
@@ -271,7 +287,7 @@ impl Located {
     ) -> Self {
         let (here, there) = (from.parameter, to.parameter);
         let settings = ContinuationSettings {
-            step: LONGEST_STEP,
+            step: budget.map_or(LONGEST_STEP, |_| LONGEST_STEP_WITHIN_BUDGET),
             ..ContinuationSettings::over(here, there + NEXT_TO * (there - here))
         };
         let upwards = there > here;

@@ -351,9 +351,9 @@ pub fn locate_changes<Kind>(
     located(&*system.dynamics(), points, forcing, (options, None))
 }
 
-/// [`locate_changes`] with at most so many integration steps. An orbit that would take more than
-/// are left is not followed, nor is one of more than 64 loops, or of more than 8 next to a motion
-/// that is not periodic. What is left out is [`WhatChanges::NotFollowed`].
+/// [`locate_changes`] in about as many integration steps as the budget has. An orbit that would
+/// take more than are left is not followed. Nor is one of more than 8 loops next to a motion that
+/// is quasi-periodic, chaotic or undecided. What is left out is [`WhatChanges::NotFollowed`].
 ///
 /// # Errors
 /// Those of [`locate_changes`].

@@ -148,12 +148,15 @@ impl Continuation<'_> {
         [a, b]: [(f64, f64); 2],
         function: &Function<'_>,
     ) -> Option<Zero> {
-        // Number of tolerances, relative to the range or to the parameter. Chosen: in most cases the
+        // Number of tolerances, relative to the parameter or the range. Chosen: in most cases the
         // zero itself is more precise, and the orbits around it need not be computed.
         const PRECISE: f64 = 100.0;
+        // Part of the range that is resolved in any case.
+        const RESOLVED: f64 = 1e-6;
         let direct = line.orbits(&self.shooting).zero([a, b], function);
-        let size = self.branch.units.width.max(self.parameter().abs());
-        let precise = PRECISE * self.shooting.options.rtol * size;
+        let width = self.branch.units.width;
+        let size = width.max(self.parameter().abs());
+        let precise = (PRECISE * self.shooting.options.rtol * size).min(RESOLVED * width);
         if direct
             .as_ref()
             .is_some_and(|zero| zero.uncertainty <= precise)

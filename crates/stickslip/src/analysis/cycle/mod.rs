@@ -21,6 +21,7 @@ use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
 use crate::filippov::Options;
 pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
+pub(super) use outline::SegmentEnd;
 use outline::{Cut, Segment, segment_to_cut};
 pub(super) use path::{Function, Path, SAFETY, Zero, with_last_digits};
 pub(super) use sequence_change::describe;

@@ -25,7 +25,7 @@ pub(crate) struct SegmentEnd {
 
 impl SegmentEnd {
     /// The event at a transition.
-    fn of(system: &dyn Dynamics, at: &Transition) -> Self {
+    pub fn of(system: &dyn Dynamics, at: &Transition) -> Self {
         let here = at.moment();
         let flow = system.flow(at.from, &here);
         let kink = system.kink(&here);

@@ -169,6 +169,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         run: &mut StepState<N, M>,
         joint: &Joint<'_, S, M>,
     ) -> Option<[[Interval; 4]; M]> {
+        // Its weights depend on comparisons, or on an iteration.
+        if joint.shares_load() || S::MULTI_AFFINE {
+            return None;
+        }
         let Timed { t, x } = self.at;
         let (tolerance, slack) = (run.options.tolerance(), run.slack());
         run.counters.field_calls += joint.field_calls() * 4;
@@ -195,8 +199,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                 let order = if self.is_tangent(i) { 2 } else { 1 };
                 // The time is known to rounding, in which the derivative moves by the next one.
                 let next = range.get(order + 1)?;
-                let drift =
-                    STATE_ROUNDING * self.at.t.abs() * f64::max(next.low.abs(), next.high.abs());
+                let drift = STATE_ROUNDING * self.at.t.abs() * (next.low.abs() + next.high.abs());
                 let derivative = range[order] + Interval::new(-drift, drift);
                 let sign = sign_of_range(derivative);
                 (sign != 0.0).then(|| self.slip_begins(side, (order, sign), i))

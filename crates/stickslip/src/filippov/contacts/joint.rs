@@ -128,6 +128,11 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         self
     }
 
+    /// Whether the holding contacts share their loads.
+    pub(super) fn shares_load(&self) -> bool {
+        self.shares_load
+    }
+
     #[inline(always)]
     pub(super) fn held(&self) -> &[usize] {
         &self.held[..self.count]

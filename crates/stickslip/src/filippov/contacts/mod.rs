@@ -139,8 +139,8 @@ pub trait Contacts<const N: usize, const M: usize> {
         N
     }
 
-    /// Whether it is known that no rate depends on the sides of two contacts. Their frictions then
-    /// add, which need not be checked at every event.
+    /// Whether the frictions of contacts are known to add, in slip and while contacts hold. Then
+    /// that need not be checked at every event.
     fn frictions_add(&self) -> bool {
         false
     }

@@ -1,0 +1,276 @@
+//! Derivatives of orbits through events, against closed forms and differences of runs.
+
+use stickslip::analysis::OrbitDerivatives;
+use stickslip::{Error, math};
+use stickslip_model::file::System;
+use stickslip_model::study::Variables;
+
+use super::recorded::open;
+use super::run::{METHODS, Run, options, system};
+
+/// A block on a belt, hit each time at x = 1, with a counter that samples the velocity, a drive by
+/// a triangle whose period is a parameter, and static friction.
+const DRIVEN: &str = r#"
+name = "case"
+[time]
+end = 12
+[states]
+x = ""
+v = ""
+[discrete]
+last = 0
+[parameters]
+mu = 0.5
+more = 0.2
+speed = 0.3
+T = 3.1
+e = 0.7
+[inputs.push]
+shape = "triangle"
+period = "T"
+[contacts.belt]
+boundary = "v - speed"
+friction = "mu/(1 + belt*(v - speed))"
+static = "mu + more"
+[jumps.stop]
+when = "x - 1.1"
+direction = "rising"
+set = { v = "-e*v", last = "v" }
+[field]
+x = "v"
+v = "-x + 0.9*push + 0.1*last - friction(belt)"
+[start]
+x = 0.2
+v = 0.9
+"#;
+
+/// Two blocks, one on the other.
+const STACK: &str = r#"
+name = "case"
+[time]
+end = 14
+[states]
+x = ""
+v = ""
+y = ""
+w = ""
+[parameters]
+a = 0.2
+b = 0.31
+k = 1.3
+[contacts.floor]
+boundary = "v"
+friction = "a"
+[contacts.between]
+boundary = "w - v"
+friction = "b"
+static = "1.4*b"
+[field]
+x = "v"
+v = "-x + k*(y - x) - friction(floor) + friction(between)"
+y = "w"
+w = "-k*(y - x) + sin(0.9*t) - friction(between)"
+[start]
+x = 1.4
+v = 0
+y = -0.3
+w = 0.4
+"#;
+
+fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> OrbitDerivatives {
+    let variables = Variables::named(system, names.iter().copied()).unwrap();
+    let (t, x) = (system.built.t_start, system.start().unwrap());
+    let t_end = *times.last().unwrap();
+    let of = ((t, &x[..]), t_end);
+    let found = variables.along(system, of, (times, &[]), &options(method));
+    found.unwrap()
+}
+
+/// Times of transitions and the state at a time, from the start with one number changed.
+fn changed(system: &System, name: &str, by: f64, t_end: f64) -> (Vec<f64>, Vec<f64>) {
+    let parameter = system
+        .file
+        .parameters
+        .iter()
+        .position(|one| one.name == name);
+    let state = system.file.states.iter().position(|one| one.name == name);
+    let (mut t, mut x) = (system.built.t_start, system.start().unwrap());
+    let mut values = Vec::new();
+    match (parameter, state) {
+        (Some(number), _) => values.push((name, system.values[number] + by)),
+        (None, Some(state)) => x[state] += by,
+        (None, None) => t += by,
+    }
+    let changed = system.with_values(&values).unwrap();
+    let run = Run::from(changed, &options("taylor"), ((t, x), t_end));
+    let times = run
+        .transitions
+        .iter()
+        .filter(|(_, kind, _)| *kind != "kink");
+    let times = times.map(|(t, ..)| *t).collect();
+    (times, run.ended.unwrap().x.as_slice().to_vec())
+}
+
+/// Compares derivatives of states and of times of events with differences of order four.
+fn compare(system: &System, names: &[&str], until: f64) -> usize {
+    // Chosen: the rounding of a difference is about 1e-8, and its truncation less.
+    const STEP: f64 = 2e-5;
+    const CLOSE: f64 = 1e-6;
+    let difference =
+        |[one, two, three, four]: [f64; 4]| (8.0 * (two - three) - (one - four)) / (12.0 * STEP);
+    let start = system.built.t_start;
+    let times = [0.31, 0.67, 1.0].map(|part| start + part * (until - start));
+    let mut events = 0;
+    for method in METHODS {
+        let found = found(system, names, &times, method);
+        assert!(found.lost.is_none(), "{:?}", found.lost);
+        for (column, name) in names.iter().enumerate() {
+            let is_close = |own: f64, by_runs: f64, what: &str| {
+                let off = (own - by_runs).abs();
+                let is_close = off < CLOSE * own.abs().max(1.0);
+                assert!(is_close, "{method}: {what} by {name}: {own} and {by_runs}");
+            };
+            for (k, &t) in times.iter().enumerate() {
+                let places = [2.0, 1.0, -1.0, -2.0];
+                let runs = places.map(|place| changed(system, name, place * STEP, t));
+                for state in 0..system.states() {
+                    let by_runs = difference(runs.each_ref().map(|(_, x)| x[state]));
+                    let what = format!("state {state} at {t}");
+                    is_close(found.states[k][(state, column)], by_runs, &what);
+                }
+                if k < 2 {
+                    continue;
+                }
+                for (times, _) in &runs {
+                    assert_eq!(times.len(), found.transitions.len(), "{name}");
+                }
+                for (number, event) in found.transitions.iter().enumerate() {
+                    let by_runs = difference(runs.each_ref().map(|(times, _)| times[number]));
+                    is_close(event.t[column], by_runs, &format!("event at {}", event.at));
+                    events += 1;
+                }
+            }
+        }
+    }
+    events
+}
+
+#[test]
+fn derivatives_are_those_of_differences_on_all_shipped_systems() {
+    let mut events = 0;
+    for (name, by, until) in [
+        ("belt", &["mu0", "delta", "vp", "x", "t0"][..], 21.0),
+        ("leine", &["x", "v", "t0"], 14.0),
+        ("basins", &["x", "v", "t0"], 12.0),
+        ("den-hartog", &["S", "O", "x"], 9.0),
+        ("forced", &["mu0", "vp", "A", "omega", "t0"], 3.0),
+    ] {
+        events += compare(&open(name), by, until);
+    }
+    assert!(events > 100, "{events}");
+}
+
+#[test]
+fn derivatives_pass_jumps_samples_inputs_static_friction_and_several_contacts() {
+    let driven = system(DRIVEN);
+    let by = ["mu", "more", "speed", "T", "e", "x", "v"];
+    assert!(compare(&driven, &by, 11.0) > 100);
+    let stack = system(STACK);
+    assert!(compare(&stack, &["a", "b", "k", "x", "y", "w", "t0"], 11.0) > 60);
+}
+
+/// A ball from height h under gravity g: with T = √(2h/g) it bounces at T (1 + 2e + 2e² + …).
+#[test]
+fn times_of_bounces_have_the_derivatives_of_their_formula() {
+    let text = "name = \"ball\"\n[states]\nh = \"\"\nu = \"\"\n[parameters]\ng = 9.81\ne = 0.8\n\
+        [jumps.floor]\nwhen = \"h\"\ndirection = \"falling\"\nset = { u = \"-e*u\" }\n\
+        [field]\nh = \"u\"\nu = \"-g\"\n[start]\nh = 1.5\nu = 0\n[time]\nend = 4\n";
+    let (h, g, e) = (1.5_f64, 9.81, 0.8_f64);
+    for method in METHODS {
+        let found = found(&system(text), &["h", "g", "e"], &[2.0], method);
+        let first = (2.0 * h / g).sqrt();
+        let (mut factor, mut by_e) = (1.0, 0.0);
+        assert!(found.transitions.len() >= 2);
+        for (bounce, event) in found.transitions.iter().enumerate() {
+            if bounce > 0 {
+                let power = bounce as i32;
+                factor += 2.0 * math::powi(e, power);
+                by_e += 2.0 * f64::from(power) * math::powi(e, power - 1);
+            }
+            let exact = [
+                first * factor / (2.0 * h),
+                -first * factor / (2.0 * g),
+                first * by_e,
+            ];
+            for (own, exact) in event.t.iter().zip(exact) {
+                assert!((own - exact).abs() < 1e-11, "{method}: {own} {exact}");
+            }
+            // The height there stays zero, whatever changes.
+            assert!(event.before.row(0).amax() < 1e-12 && event.after.row(0).amax() < 1e-12);
+        }
+    }
+}
+
+/// The orbit with parameters as states takes the steps of the orbit itself.
+#[test]
+fn parameters_as_states_change_no_step() {
+    let names = ["belt", "leine", "basins", "den-hartog", "forced", "bracket"];
+    for one in names
+        .map(open)
+        .into_iter()
+        .chain([DRIVEN, STACK].map(system))
+    {
+        let all: Vec<usize> = (0..one.file.parameters.len()).collect();
+        let extended = one.with_states_of(&all).unwrap();
+        let (t, x) = (one.built.t_start, one.start().unwrap());
+        let mut longer = x.clone();
+        longer.extend(&one.values);
+        for method in METHODS {
+            let (options, t_end) = (options(method), t + 10.0);
+            let end = |of: &_, x: &[f64]| {
+                let ignore = &mut stickslip_model::kernel::ignore;
+                stickslip_model::kernel::follow(of, (t, x), t_end, &options, &[], ignore).unwrap()
+            };
+            let (plain, with) = (end(one.dynamics(), &x), end(&extended, &longer));
+            assert_eq!(
+                plain.counters.steps, with.counters.steps,
+                "{}",
+                one.file.name
+            );
+            let off = (with.x.rows(0, x.len()) - &plain.x).amax();
+            assert!(off < 1e-11, "{}: {off}", one.file.name);
+        }
+    }
+}
+
+#[test]
+fn where_there_is_none_or_the_name_is_wrong_it_is_said() {
+    // A turning point at the boundary, to the tolerance.
+    let graze = system(
+        "name = \"graze\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\np = 0.3\n[contacts.c]\n\
+         boundary = \"x - 0.9999999999999\"\n[field]\nx = \"v\"\nv = \"by_side(c, -x, -x - p)\"\n[start]\nx = 0\n\
+         v = 1\n[time]\nend = 9\n",
+    );
+    let lost = found(&graze, &["p", "x"], &[1.0, 3.0], "taylor");
+    let Some(Error::TangentSingular { t, .. }) = lost.lost else {
+        panic!("{:?}", lost.lost);
+    };
+    assert!((t - 0.5 * std::f64::consts::PI).abs() < 1e-5, "{t}");
+    assert!(lost.states[0].iter().all(|of| of.is_finite()));
+    assert!(lost.states[1].iter().all(|of| of.is_nan()));
+    let driven = system(DRIVEN);
+    for (name, said) in [
+        ("spede", "did you mean `speed`?"),
+        ("belt", "neither a parameter nor a state"),
+    ] {
+        let error = Variables::named(&driven, [name]).unwrap_err().to_string();
+        assert!(error.contains(said), "{error}");
+    }
+    // One that samples carries what it has sampled; one that counts has no derivative.
+    assert!(Variables::named(&driven, ["last"]).is_ok());
+    let counts = system(&DRIVEN.replace("last = \"v\"", "last = \"last + 1\""));
+    let counted = Variables::named(&counts, ["last"]).unwrap_err().to_string();
+    assert!(counted.contains("a discrete state"), "{counted}");
+    let twice = Variables::named(&driven, ["x", "x"]).unwrap_err();
+    assert_eq!(twice.to_string(), "`x` is given twice");
+}

@@ -1,0 +1,316 @@
+//! Derivatives of an orbit and of the times of its events.
+
+use super::cycle::SegmentEnd;
+use super::monodromy::{TangentMap, velocity_in};
+use super::tangent::{Tangent, flatten, singular};
+use crate::dynamics::{
+    AsDynamics, Components, Dynamics, Matrix, Moment, OrbitProgress, OrbitUnderWay, Passage,
+    Section, Step, Transition, Vector,
+};
+use crate::error::Error;
+use crate::filippov::{Options, TransitionKind};
+
+/// What an orbit is differentiated by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// A component of the start state, counted from 0. A parameter that is a last state is one.
+    Start(usize),
+    /// The time of the start.
+    StartTime,
+}
+
+/// Derivatives at an event, with one column for each variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EventDerivatives {
+    /// Time of the event.
+    pub at: f64,
+    /// Of the event's time.
+    pub t: Vec<f64>,
+    /// Of the state before the event, along which it moves.
+    pub before: Matrix,
+    /// Of the state after it: another one at a jump.
+    pub after: Matrix,
+}
+
+/// Derivatives along an orbit, as [`orbit_derivatives`] computes them. Rows are states and columns
+/// variables. From [`OrbitDerivatives::lost`] on all are NaN.
+#[derive(Clone, Debug)]
+pub struct OrbitDerivatives {
+    /// Of the state, at each requested time.
+    pub states: Vec<Matrix>,
+    /// At each transition.
+    pub transitions: Vec<EventDerivatives>,
+    /// At each passage of a section, with the section's index.
+    pub passages: Vec<(usize, EventDerivatives)>,
+    /// Why, and from when on, the flow has no derivative; or the error that ended the run.
+    pub lost: Option<Error>,
+}
+
+/// Derivatives of an orbit from `(t0, x0)` by some variables, to first order: of the states at
+/// `times`, in rising order up to `t_end`, and of times and states at all events.
+///
+/// Tangent vectors are carried on dual numbers; at transitions and jumps they change by saltation
+/// (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671). The time of an event with the function `g`
+/// changes by `dt = −∇g·dx / (∂g/∂t + ∇g·f)`. A time that occurs twice, as of a jump, has the
+/// derivative before it and then the one after it.
+///
+/// The run goes to `t_end`, or as far as the last of `times` if there is one: what a run reports
+/// until then is the same.
+///
+/// A start on a boundary that the orbit leaves has the derivatives of the side to which it leaves.
+/// At a graze, where two contacts come to zero at once, and where jumps act on one another at one
+/// instant there is no derivative; see [`OrbitDerivatives::lost`].
+///
+/// ```
+#[doc = include_str!("../../examples/common/belt.rs")]
+/// use stickslip::Options;
+/// use stickslip::analysis::{Variable, orbit_derivatives};
+///
+/// // The block begins in stick at x = 0 and is released at x = 1, after t = 1/speed.
+/// let belt = Belt { speed: 0.5 };
+/// let by = [Variable::Start(0), Variable::StartTime];
+/// let (start, options) = ([0.0, 0.5], Options::default());
+/// let found = orbit_derivatives(&belt, 0.0, start, 3.0, (&by, &[1.0]), &[], &options)?;
+/// assert_eq!(found.states[0][(0, 0)], 1.0);
+/// // Half a unit further on it is released a whole unit of time earlier.
+/// let release = &found.transitions[0];
+/// assert!((release.t[0] + 2.0).abs() < 1e-9 && (release.t[1] - 1.0).abs() < 1e-9);
+/// # Ok::<(), stickslip::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of a run that cannot begin; [`Error::Parameter`] for a variable that is no state.
+pub fn orbit_derivatives<Kind>(
+    system: &impl AsDynamics<Kind>,
+    t0: f64,
+    x0: impl Components,
+    t_end: f64,
+    (by, times): (&[Variable], &[f64]),
+    sections: &[Section],
+    options: &Options,
+) -> Result<OrbitDerivatives, Error> {
+    let start = Moment {
+        t: t0,
+        x: x0.vector(),
+    };
+    let system = &*system.dynamics();
+    let mut orbit = system.begin(&start, t_end, options, sections)?;
+    let mut carried = Carried {
+        tangent: Tangent::new(system, options),
+        before: Vec::new(),
+        columns: columns_at_start(system, &*orbit, &start, by)?,
+        sections,
+        found: OrbitDerivatives {
+            states: Vec::with_capacity(times.len()),
+            transitions: Vec::new(),
+            passages: Vec::new(),
+            lost: None,
+        },
+    };
+    let until = times.last().map_or(t_end, |last| last.max(t0));
+    let mut times = times.iter().copied().peekable();
+    while times.next_if(|t| *t <= t0).is_some() {
+        carried.state();
+    }
+    loop {
+        match orbit.step() {
+            Ok(OrbitProgress::Step) => {
+                let step = orbit.last_step();
+                if step.t_start > until {
+                    break;
+                }
+                while times.next_if(|t| *t <= step.t_start).is_some() {
+                    carried.state();
+                }
+                let solution = orbit.solution();
+                carried.before = std::mem::take(&mut carried.columns);
+                while let Some(t) = times.next_if(|t| *t < step.t_end) {
+                    let x = solution(t);
+                    carried.columns = carried.inside(&step, &Moment { t, x });
+                    carried.state();
+                }
+                carried.columns = carried.tangent.carried(&step, &carried.before);
+                if times.next_if(|t| *t <= step.t_end).is_some() {
+                    carried.state();
+                }
+            }
+            Ok(OrbitProgress::Transition(at)) if at.t > until => break,
+            Ok(OrbitProgress::Transition(at)) => {
+                if let Err(error) = carried.transition(&at) {
+                    carried.lose(error);
+                }
+            }
+            Ok(OrbitProgress::Passage(at)) if at.t > until => {}
+            Ok(OrbitProgress::Passage(at)) => {
+                let step = orbit.last_step();
+                carried.passage(&step, &at);
+            }
+            Ok(OrbitProgress::PhaseEnd(_) | OrbitProgress::Kink(_)) => {}
+            Ok(OrbitProgress::End(_)) => break,
+            Err(error) => {
+                carried.lose(error);
+                break;
+            }
+        }
+    }
+    // After the end, as where a jump stands there.
+    times.for_each(|_| carried.state());
+    Ok(carried.found)
+}
+
+/// The derivatives of the start state.
+fn columns_at_start(
+    system: &dyn Dynamics,
+    orbit: &dyn OrbitUnderWay,
+    start: &Moment,
+    by: &[Variable],
+) -> Result<Vec<Vector>, Error> {
+    let mode = orbit.mode();
+    let mut all = TangentMap::identity(system);
+    all.begin(system, mode, start);
+    let all = all.matrix();
+    let column = |variable: &Variable| match *variable {
+        Variable::Start(state) if state < all.ncols() => Ok(all.column(state).into_owned()),
+        Variable::Start(state) => Err(Error::Parameter {
+            name: "the state of a derivative",
+            value: state as f64,
+            bound: "below the number of states",
+        }),
+        Variable::StartTime => Ok(-velocity_in(system, mode, start)),
+    };
+    by.iter().map(column).collect()
+}
+
+/// Tangent vectors beside an orbit, and what they have given so far.
+struct Carried<'a> {
+    tangent: Tangent<'a>,
+    /// At the start of the last step, and now.
+    before: Vec<Vector>,
+    columns: Vec<Vector>,
+    sections: &'a [Section],
+    found: OrbitDerivatives,
+}
+
+impl Carried<'_> {
+    /// Records the present derivatives of the state.
+    fn state(&mut self) {
+        self.found.states.push(Matrix::from_columns(&self.columns));
+    }
+
+    /// Nothing is known from here on.
+    fn lose(&mut self, why: Error) {
+        for column in &mut self.columns {
+            column.fill(f64::NAN);
+        }
+        self.found.lost.get_or_insert(why);
+    }
+
+    /// The vectors at a moment in the last step.
+    fn inside(&self, step: &Step, at: &Moment) -> Vec<Vector> {
+        let part = Step {
+            t_end: at.t,
+            x_end: at.x.clone(),
+            ..step.clone()
+        };
+        self.tangent.carried(&part, &self.before)
+    }
+
+    /// Records the derivatives at a transition, and applies it to the vectors.
+    fn transition(&mut self, at: &Transition) -> Result<(), Error> {
+        let system = self.tangent.system;
+        let here = at.moment();
+        let velocity = velocity_in(system, at.from, &here);
+        let end = SegmentEnd::of(system, at);
+        let (gradient, in_time) = match end.at_kink {
+            Some((input, _)) => {
+                let (_, gradient, in_time) = system.clock(input, &here);
+                (gradient, in_time)
+            }
+            None if end.is_of_jump => {
+                let reset = system.reset(at.contact, &here);
+                (reset.gradient, reset.in_time)
+            }
+            None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
+        };
+        let jump = match at.kind {
+            TransitionKind::Touch => Err(singular(at.t, &at.x)),
+            _ => self.tangent.jump(at),
+        };
+        let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
+        let jump = match jump {
+            Ok(jump) => jump,
+            Err(why) => {
+                let none = before.map(|_| f64::NAN);
+                self.found.transitions.push(EventDerivatives {
+                    at: at.t,
+                    t: vec![f64::NAN; t.len()],
+                    before: none.clone(),
+                    after: none,
+                });
+                return Err(why);
+            }
+        };
+        let mut after_jump = here;
+        if end.is_of_jump {
+            after_jump.x = system.reset(at.contact, &after_jump).after;
+        }
+        if let Some(jump) = jump {
+            for column in &mut self.columns {
+                *column = &jump.matrix * &*column;
+                // On Σ the component across it is zero, except for rounding.
+                if at.kind == TransitionKind::StickEntry {
+                    flatten(&jump.gradient, column);
+                }
+            }
+        }
+        let velocity = velocity_in(system, at.to, &after_jump);
+        let after = moved(&self.columns, &velocity, &t);
+        self.found.transitions.push(EventDerivatives {
+            at: at.t,
+            t,
+            before,
+            after,
+        });
+        Ok(())
+    }
+
+    /// Records the derivatives at a passage in the last step.
+    fn passage(&mut self, step: &Step, at: &Passage) {
+        let system = self.tangent.system;
+        let here = at.moment();
+        let columns = self.inside(step, &here);
+        let velocity = velocity_in(system, step.mode, &here);
+        let slopes = system.section_gradient(&self.sections[at.number], &here);
+        let (t, before) = of_zero(&columns, &velocity, (&slopes.0, slopes.1));
+        let after = before.clone();
+        let of_event = EventDerivatives {
+            at: at.t,
+            t,
+            before,
+            after,
+        };
+        self.found.passages.push((at.number, of_event));
+    }
+}
+
+/// Derivatives of the time at which a function vanishes, and of the state there.
+fn of_zero(
+    columns: &[Vector],
+    velocity: &Vector,
+    (gradient, in_time): (&Vector, f64),
+) -> (Vec<f64>, Matrix) {
+    let rate = in_time + gradient.dot(velocity);
+    let of = |column: &Vector| -gradient.dot(column) / rate;
+    let times: Vec<f64> = columns.iter().map(of).collect();
+    let state = moved(columns, velocity, &times);
+    (times, state)
+}
+
+/// Vectors at a fixed time, moved to a time that has these derivatives.
+fn moved(columns: &[Vector], velocity: &Vector, times: &[f64]) -> Matrix {
+    let columns = columns.iter().zip(times);
+    let columns: Vec<Vector> = columns
+        .map(|(column, dt)| column + velocity * *dt)
+        .collect();
+    Matrix::from_columns(&columns)
+}
