@@ -305,6 +305,19 @@ def _end_of(
     return end, sol._memory
 
 
+def _variables(derivatives: Any) -> list[str]:
+    """Names of what an orbit is differentiated by."""
+    single = isinstance(derivatives, (str, Parameter, State))
+    given = [derivatives] if single else [] if derivatives is None else list(derivatives)
+    for one in given:
+        if not isinstance(one, (str, Parameter, State)):
+            raise TypeError(
+                f"derivatives: {one!r} is neither a parameter, nor a state, nor the name of one; "
+                'the start time is "t0"'
+            )
+    return [one if isinstance(one, str) else one.name for one in given]
+
+
 def _of_events(
     slopes: list[dict[str, Floats] | None] | None, name: str, shape: tuple[int, ...]
 ) -> list[Floats] | None:
@@ -323,7 +336,7 @@ def solve_ivp(
     dense_output: bool = False,
     events: Event | Expression | Sequence[Event | Expression] | None = None,
     *,
-    derivatives: Sequence[Parameter | State | str] | None = None,
+    derivatives: Parameter | State | str | Sequence[Parameter | State | str] | None = None,
     progress: bool = False,
     **options: Unpack[OptionsButMethod],
 ) -> Solution:
@@ -392,7 +405,7 @@ def solve_ivp(
         begin = start(system, t0, y0)
     if derivatives is not None and memory is not None:
         raise ValueError("derivatives of a run that goes on from another one are not known")
-    by = [one if isinstance(one, str) else one.name for one in derivatives or []]
+    by = _variables(derivatives)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
@@ -437,7 +450,7 @@ def solve_ivp(
         found["dy"] = slopes["dy"].transpose(1, 0, 2)
         found["transitions"].update(slopes["transitions"])
         of_events = [slopes.get(f"event {k}") for k in range(len(watched))]
-        if slopes["lost"] is not None:
+        if slopes["lost"] is not None and found["status"] in (0, 1, 2):
             message = f"there are no derivatives from there on: {slopes['lost']}"
             warnings.warn(message, SolverWarning, stacklevel=2)
     for table in ("transitions", "phases"):

@@ -361,11 +361,24 @@ fn differentiated(
     let recording = &solved.recording;
     let mut times: Vec<f64> = recording.points.iter().map(|point| point.0).collect();
     let wanted = times.len();
+    // A jump that falls on the end leads to the last state.
+    let last = recording.points.last().zip(recording.transitions.last());
+    let is_behind = |(point, (at, after)): &(&(f64, Vector), &(Transition, Vector))| {
+        point.0 == at.t && point.1 == *after && *after != at.x
+    };
+    let is_once = wanted < 2 || times[wanted - 2] < times[wanted - 1];
+    let is_behind = is_once && last.as_ref().is_some_and(is_behind);
+    if is_behind {
+        times.push(times[wanted - 1]);
+    }
     // Events go on behind the last requested time.
     times.extend(Some(recording.last.0).filter(|last| times.last().is_none_or(|t| t < last)));
     let sections = system.sections();
     let sections = sections.get(..events).unwrap_or_default();
     let mut found = variables.along(system, (start, t_end), (&times, sections), options)?;
+    if is_behind {
+        found.states.remove(wanted - 1);
+    }
     found.states.truncate(wanted);
     variables.fit(
         system,

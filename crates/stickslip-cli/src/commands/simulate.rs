@@ -32,7 +32,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PATH", conflicts_with_all = ["start", "t_start"])]
     resume: Option<PathBuf>,
     /// Also write the derivatives of states and times of events by these parameters, start values
-    /// of states, or the time of the start, which is t0: derivatives.csv, event_derivatives.csv
+    /// of states, or the time of the start, which is t0: derivatives.csv, with a row for each of
+    /// steps.csv, and event_derivatives.csv, with one for each transition
     #[arg(long, value_name = "NAME,...", conflicts_with = "resume")]
     derivatives: Option<String>,
     /// Draw no figures

@@ -266,7 +266,7 @@ impl System {
     }
 
     /// The system with parameters as additional last states, in this order and at most
-    /// [`MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that begins with
+    /// [`super::MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that begins with
     /// their values takes the same steps as that of this system.
     ///
     /// # Errors

@@ -132,12 +132,21 @@ impl Variables {
         const SAME_TIME: f64 = 1e-7;
         let count = times.len();
         let none = Matrix::repeat(system.states(), self.names.len(), f64::NAN);
-        found.transitions.truncate(count);
         for (k, t) in times.enumerate() {
-            let own = found.transitions.get(k);
             let is_same =
                 |own: &EventDerivatives| (own.at - t).abs() <= SAME_TIME * t.abs().max(1.0);
-            if own.is_some_and(is_same) {
+            if found.transitions.get(k).is_some_and(is_same) {
+                continue;
+            }
+            // Where several contacts change at one instant, each has a row.
+            let last = k
+                .checked_sub(1)
+                .and_then(|last| found.transitions.get(last));
+            if let Some(same) = last.filter(|last| is_same(last)).cloned() {
+                let before = same.after.clone();
+                found
+                    .transitions
+                    .insert(k, EventDerivatives { before, ..same });
                 continue;
             }
             let nothing = EventDerivatives {
@@ -154,5 +163,6 @@ impl Variables {
                 .get_or_insert(Error::NotFound { what, t, span: 0.0 });
             return;
         }
+        found.transitions.truncate(count);
     }
 }

@@ -24,8 +24,8 @@ const STEPS_AT_START: u64 = 100_000;
 pub enum Locates {
     /// Each, whatever the work.
     All,
-    /// Those of orbits of few loops, with at most about as many integration steps as attractors and
-    /// exponents took up to there, and some more at the start.
+    /// Those of orbits of few loops, with about as many integration steps as attractors and exponents
+    /// take at all values, and some more.
     #[default]
     Periodic,
     /// None.
@@ -57,6 +57,8 @@ pub struct Diagram<'a> {
     pub duration: Option<f64>,
     /// Which changes of the attractor are located.
     pub locates: Locates,
+    /// Number of values.
+    pub values: u64,
     /// Settings of the solver.
     pub options: &'a Options,
 }
@@ -74,6 +76,8 @@ pub struct AtValue {
     carried: Vector,
     /// Integration steps that locating changes may take.
     unspent: u64,
+    /// Steps that every value was taken to need in advance: those of the first.
+    credited: u64,
 }
 
 impl Diagram<'_> {
@@ -108,12 +112,24 @@ impl Diagram<'_> {
         // The exponent is measured at about as many steps for a time.
         let measured = self.duration.filter(|_| reached.kind.is_attractor());
         let measured = measured.map_or(0.0, |duration| duration / reached.t);
-        let steps = reached.steps as f64 * (1.0 + measured.max(0.0));
+        let steps = (reached.steps as f64 * (1.0 + measured.max(0.0))) as u64;
+        let (unspent, credited) = match last {
+            // The other values count as if they took as many.
+            None => (
+                STEPS_AT_START.saturating_add(steps.saturating_mul(self.values)),
+                steps,
+            ),
+            Some(AtValue {
+                unspent, credited, ..
+            }) => (
+                unspent.saturating_add(steps.saturating_sub(*credited)),
+                *credited,
+            ),
+        };
         let mut found = AtValue {
             value,
-            unspent: last
-                .map_or(STEPS_AT_START, |last| last.unspent)
-                .saturating_add(steps as u64),
+            unspent,
+            credited,
             carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
             largest: self
                 .duration

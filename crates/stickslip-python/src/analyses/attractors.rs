@@ -152,6 +152,7 @@ pub(crate) fn bifurcation_diagram<'py>(
                 until: longest,
                 duration,
                 locates,
+                values: values.len() as u64,
                 options: &options,
             };
             for value in values {

@@ -232,8 +232,16 @@ impl Carried<'_> {
             }
             None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
         };
+        let is_graze = || {
+            // Where it would be another zero within the tolerance, or none.
+            let [_, rate, bend, _] = system.flow(at.from, &here).guard_jet(end.guard, &here);
+            let size = gradient.abs().dot(&here.x.abs()) + gradient.abs().sum();
+            rate * rate <= 2.0 * bend.abs() * self.tangent.tolerance() * size
+        };
+        let is_of_boundary = at.kind != TransitionKind::StickExit && end.at_kink.is_none();
         let jump = match at.kind {
             TransitionKind::Touch => Err(singular(at.t, &at.x)),
+            _ if is_of_boundary && is_graze() => Err(singular(at.t, &at.x)),
             _ => self.tangent.jump(at),
         };
         let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
@@ -258,7 +266,7 @@ impl Carried<'_> {
             for column in &mut self.columns {
                 *column = &jump.matrix * &*column;
                 // On Σ the component across it is zero, except for rounding.
-                if at.kind == TransitionKind::StickEntry {
+                if at.kind == TransitionKind::StickEntry && end.at_kink.is_none() {
                     flatten(&jump.gradient, column);
                 }
             }

@@ -188,10 +188,11 @@ impl TangentMap {
         };
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
+        let is_at_boundary = tangent.system.kink(&at.moment()).is_none();
         for column in &mut self.columns {
             *column = &jump.matrix * &*column;
             // On Σ the component across it is zero, except for rounding.
-            if enters {
+            if enters && is_at_boundary {
                 flatten(&jump.gradient, column);
             }
         }

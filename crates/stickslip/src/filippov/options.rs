@@ -243,6 +243,9 @@ impl Options {
     /// # Errors
     /// [`Error::TooShortSteps`].
     pub fn check_span(&self, t: f64, t_end: f64) -> Result<(), Error> {
+        if !t.is_finite() || !t_end.is_finite() {
+            return Err(Error::Interval { t0: t, t_end });
+        }
         let (most_steps, longest_step) = (self.most_steps, self.longest_step);
         let least = (t_end - t) / most_steps as f64;
         if longest_step >= least || self.fixed_step().is_some() {

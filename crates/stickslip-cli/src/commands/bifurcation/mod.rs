@@ -70,7 +70,7 @@ enum Locate {
     /// Every orbit is followed, however long it takes
     All,
     /// Orbits of few loops are followed, in about as many integration steps as attractors and
-    /// exponents took up to there, and 100000 more
+    /// exponents take, and 100000 more
     #[default]
     Periodic,
     /// No orbit is followed
@@ -193,6 +193,7 @@ impl Sweep for Bifurcation {
             until: self.until,
             duration: Some(self.duration),
             locates: self.locate.into(),
+            values: self.values.get() as u64,
             options: &options,
         };
         let (mut found, mut changes) = (Vec::new(), Vec::new());
