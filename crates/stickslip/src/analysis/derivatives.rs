@@ -62,16 +62,25 @@ pub struct OrbitDerivatives {
 /// instant there is no derivative; see [`OrbitDerivatives::lost`].
 ///
 /// ```
-#[doc = include_str!("../../examples/common/belt.rs")]
-/// use stickslip::Options;
 /// use stickslip::analysis::{Variable, orbit_derivatives};
+/// use stickslip::{Filippov, Options, Scalar, Side};
 ///
-/// // The block begins in stick at x = 0 and is released at x = 1, after t = 1/speed.
-/// let belt = Belt { speed: 0.5 };
+/// /// A block on a belt of speed 0.5, with a spring and friction 1.
+/// struct Block;
+/// impl Filippov<2> for Block {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+///         [x[1], -x[0] - side.sign()]
+///     }
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+///         x[1] - 0.5
+///     }
+/// }
+///
+/// // It begins in stick at x = 0 and is released at x = 1, after a time of 1/0.5.
 /// let by = [Variable::Start(0), Variable::StartTime];
 /// let (start, options) = ([0.0, 0.5], Options::default());
-/// let found = orbit_derivatives(&belt, 0.0, start, 3.0, (&by, &[1.0]), &[], &options)?;
-/// assert_eq!(found.states[0][(0, 0)], 1.0);
+/// let found = orbit_derivatives(&Block, 0.0, start, 3.0, (&by, &[1.0, 3.0]), &[], &options)?;
+/// assert!((found.states[0][(0, 0)] - 1.0).abs() < 1e-12);
 /// // Half a unit further on it is released a whole unit of time earlier.
 /// let release = &found.transitions[0];
 /// assert!((release.t[0] + 2.0).abs() < 1e-9 && (release.t[1] - 1.0).abs() < 1e-9);
