@@ -17,7 +17,7 @@ const LOCATION_TOLERANCE: f64 = 1e-13;
 
 /// Integration steps that locating changes may take besides those of the attractors. Chosen: about
 /// a second, so that short sweeps locate theirs.
-const STEPS_AT_START: u64 = 100_000;
+const STEPS_AT_START: u64 = 250_000;
 
 /// Which changes of an attractor along a parameter are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]

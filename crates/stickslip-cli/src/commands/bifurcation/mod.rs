@@ -70,7 +70,7 @@ enum Locate {
     /// Every orbit is followed, however long it takes
     All,
     /// Orbits of few loops are followed, in about as many integration steps as attractors and
-    /// exponents take, and 100000 more
+    /// exponents take, and 250000 more
     #[default]
     Periodic,
     /// No orbit is followed

@@ -132,14 +132,16 @@ fn is_double(double: &Attractor, single: &Attractor) -> bool {
     double.len() == 2 * count && (0..count.max(1)).any(is_alike)
 }
 
-/// About the number of steps that it takes to follow an attractor to its change.
+/// About what it takes to follow an attractor to its change, in steps without tangent vectors.
 fn needed(attractor: &Attractor) -> u64 {
     // Orbits on a branch, with those that Newton's iterations, a zero and its uncertainty take.
     // Chosen: 75 to 150 in a cascade of flips.
     const ORBITS: f64 = 100.0;
     match attractor.kind {
         AttractorKind::Periodic { period, .. } => {
-            (ORBITS * attractor.steps as f64 * period / attractor.t) as u64
+            let orbit = attractor.steps as f64 * period / attractor.t;
+            let cost = StepBudget::with_tangents(attractor.x.len());
+            (ORBITS * orbit) as u64 * cost
         }
         // An equilibrium takes no steps.
         _ => 0,

@@ -1,6 +1,6 @@
 //! Integrated segments, and the derivatives of the flow over them.
 
-use super::{Segment, Shooting};
+use super::{Segment, Shooting, StepBudget};
 use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
 use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Vector};
@@ -121,7 +121,9 @@ impl Shooting<'_> {
             let mode = (segment.mode, &segment.inside);
             let mut run = self.system.begin_in(mode, &begin, t_end, options).ok()?;
             while let OrbitProgress::Step = run.step().ok()? {
-                if self.budget.is_some_and(|budget| !budget.spend(1)) {
+                // The tangent vectors of all states are carried over it.
+                let cost = StepBudget::with_tangents(self.states);
+                if self.budget.is_some_and(|budget| !budget.spend(cost)) {
                     return None;
                 }
                 steps.push((run.last_step(), run.solution()));

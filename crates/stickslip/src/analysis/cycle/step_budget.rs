@@ -17,6 +17,11 @@ impl StepBudget {
         }
     }
 
+    /// What a step counts that carries tangent vectors of so many states and of a parameter.
+    pub(crate) fn with_tangents(states: usize) -> u64 {
+        states as u64 + 2
+    }
+
     /// Number of steps left.
     pub fn left(&self) -> u64 {
         self.left.get()
