@@ -24,8 +24,8 @@ const STEPS_AT_START: u64 = 250_000;
 pub enum Locates {
     /// Each, whatever the work.
     All,
-    /// Those of orbits of few loops, with about as many integration steps as attractors and exponents
-    /// take at all values, and some more.
+    /// Those of orbits of few loops, with about as many integration steps as attractors and
+    /// exponents take at all values, and some more.
     #[default]
     Periodic,
     /// None.
