@@ -266,8 +266,8 @@ impl System {
     }
 
     /// The system with parameters as additional last states, in this order and at most
-    /// [`super::MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that begins
-    /// with their values takes the same steps as that of this system.
+    /// [`super::MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that
+    /// begins with their values takes the same steps as that of this system.
     ///
     /// # Errors
     /// See [`System::along`].
