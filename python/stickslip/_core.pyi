@@ -70,6 +70,7 @@ def solve(
     dense_output: bool,
     settings: _Settings,
     memory: str | None,
+    derivatives: Sequence[str],
     report: _Report,
 ) -> _Found: ...
 def periodic_orbit(
@@ -110,7 +111,7 @@ def bifurcation_diagram(
     system: System,
     x: Sequence[float] | None,
     along: _Along,
-    how: tuple[float, float | None, bool],
+    how: tuple[float, float | None, str],
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...

@@ -17,15 +17,14 @@ pub(super) fn sequence(change: &WhatChanges) -> Option<&SequenceChange> {
     }
 }
 
-/// Whether an orbit doubles its period there.
-pub(super) fn is_flip(change: &WhatChanges) -> bool {
-    matches!(
-        change,
-        WhatChanges::Multiplier {
-            what: CycleBifurcation::Flip,
-            ..
+/// The period of an orbit that doubles there.
+pub(super) fn period_of_flip(change: &WhatChanges) -> Option<f64> {
+    match change {
+        WhatChanges::Multiplier { what, period, .. } if *what == CycleBifurcation::Flip => {
+            Some(*period)
         }
-    )
+        _ => None,
+    }
 }
 
 /// A change of the phases in words: its name, with the contacts if the system has several.

@@ -536,8 +536,8 @@ fn branches_that_begin_on_a_branch_have_numbers_in_its_tables() {
 fn a_flip_that_a_value_of_a_diagram_hits_is_reported_once() {
     let top = tempfile::tempdir().unwrap();
     std::fs::write(top.path().join("doubled.toml"), DOUBLED).unwrap();
-    // With 19 values the flip is at the last value of a block.
-    for values in ["3", "19"] {
+    let swept = |values: &str, locate: &str, out: &str| -> Value {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
         let arguments = [
             "bifurcation",
             "doubled.toml",
@@ -548,15 +548,15 @@ fn a_flip_that_a_value_of_a_diagram_hits_is_reported_once() {
             "x=1.3",
             "--duration",
             "20",
-            "--values",
-            values,
-            "--out",
-            values,
         ];
-        let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-        let command = command.current_dir(top.path()).args(arguments);
+        let more = ["--values", values, "--locate", locate, "--out", out];
+        command.current_dir(top.path()).args(arguments).args(more);
         let output = command.assert().success();
-        let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+        serde_json::from_slice(&output.get_output().stdout).unwrap()
+    };
+    // With 19 values the flip is at the last value of a block.
+    for values in ["3", "19"] {
+        let json = swept(values, "periodic", values);
         let [change] = json["down"]["changes"].as_array().unwrap().as_slice() else {
             panic!("{:#}", json["down"]["changes"]);
         };
@@ -566,25 +566,8 @@ fn a_flip_that_a_value_of_a_diagram_hits_is_reported_once() {
             ["parameter", "uncertainty"].map(|key| change[key].as_f64().unwrap());
         assert!(off.abs() <= uncertainty && uncertainty < 1e-9, "{off:e}");
     }
-    let mut none = Command::new(env!("CARGO_BIN_EXE_stickslip"));
-    none.current_dir(top.path()).args([
-        "bifurcation",
-        "doubled.toml",
-        "--json",
-        "--parameter",
-        "p=-0.1:0.1",
-        "--start",
-        "x=1.3",
-        "--duration",
-        "20",
-        "--values",
-        "3",
-        "--locate",
-        "none",
-    ]);
-    let output = none.assert().success();
-    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
-    assert_eq!(json["down"]["changes"], serde_json::json!([]));
+    let none = swept("3", "none", "none");
+    assert_eq!(none["down"]["changes"], serde_json::json!([]));
 }
 
 #[test]

@@ -99,7 +99,7 @@ const MOST_STORED_TAPES: usize = 1 << 14;
 
 /// A factor that spreads numbers over all bits: 2^64 over the golden ratio (Knuth, *The Art of
 /// Computer Programming* 3, Sect. 6.4).
-const SPREAD: usize = 0x9E37_79B9_7F4A_7C15;
+const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Number of slots in which a combination is looked for. More would take as long as a rebuild.
 const PROBES: usize = 16;
@@ -161,7 +161,7 @@ impl Fields {
         let own = match self.slots.len() {
             // All have room. Otherwise neighbours are spread.
             all if 2 * self.contacts < all.ilog2() as usize + 1 => key % all,
-            some => (key.wrapping_mul(SPREAD) >> (usize::BITS - some.ilog2())) % some,
+            some => ((key as u64).wrapping_mul(SPREAD) >> (u64::BITS - some.ilog2())) as usize,
         };
         let (before, from_own) = self.slots.split_at(own);
         from_own.iter().chain(before).take(PROBES)

@@ -24,8 +24,8 @@ const STEPS_AT_START: u64 = 250_000;
 pub enum Locates {
     /// Each, whatever the work.
     All,
-    /// Those of orbits of few loops, with about as many integration steps as attractors and
-    /// exponents take at all values, and some more.
+    /// Those of orbits of few loops, with about as many integration steps as the attractors take at
+    /// all values, and some more.
     #[default]
     Periodic,
     /// None.
@@ -109,10 +109,7 @@ impl Diagram<'_> {
             }
         };
         let reached = reported(reached, |error| describe(error, &here));
-        // The exponent is measured at about as many steps for a time.
-        let measured = self.duration.filter(|_| reached.kind.is_attractor());
-        let measured = measured.map_or(0.0, |duration| duration / reached.t);
-        let steps = (reached.steps as f64 * (1.0 + measured.max(0.0))) as u64;
+        let steps = reached.steps;
         let (unspent, credited) = match last {
             // The other values count as if they took as many.
             None => (

@@ -59,14 +59,27 @@ pub(super) struct OneDirection {
     /// Changes along the pass, and the values between which they occur.
     pub(super) changes: Vec<AttractorChange>,
     pub(super) spans: Vec<Span>,
+    /// Periods of the periodic orbits, by value.
+    periods: Points,
     /// The last value and the attractor there in words, if the orbit reached one.
     last: Option<(f64, String)>,
     pub(super) replacements: Vec<Replacement>,
 }
 
 impl OneDirection {
+    /// Whether the orbit at a value has twice the period of a flip. The period may vary with the
+    /// parameter, and other loops make the ratio 1, 3 or 4.
+    pub(super) fn is_doubled(&self, value: f64, flip: Option<f64>) -> bool {
+        let here = self.periods.iter().find(|(at, _)| *at == value);
+        here.zip(flip)
+            .is_some_and(|((_, here), flip)| (here / flip - 2.0).abs() < 0.1)
+    }
+
     fn add(&mut self, system: &System, at: &AtValue, until: f64) {
         let value = at.value;
+        if let AttractorKind::Periodic { period, .. } = at.reached.kind {
+            self.periods.push((value, period));
+        }
         let points = at.reached.points.iter();
         self.section.extend(points.map(|point| (value, point.x[0])));
         let sticks = sticks(at).map(|phase| (value, phase.duration()));

@@ -69,8 +69,8 @@ pub(super) struct Arguments {
 enum Locate {
     /// Every orbit is followed, however long it takes
     All,
-    /// Orbits of few loops are followed, in about as many integration steps as attractors and
-    /// exponents take, and 250000 more
+    /// Orbits of few loops are followed, in about as many integration steps as the attractors take,
+    /// and 250000 more
     #[default]
     Periodic,
     /// No orbit is followed
@@ -222,9 +222,9 @@ impl Sweep for Bifurcation {
                 let reason = reason.map_or(String::new(), |why| format!(", first as {why}"));
                 report.note(format!("{name:<4}  {first} to {last}: {motion}{reason}"));
             }
-            let mut is_behind_flip = false;
+            let mut flip = None;
             for AttractorChange { between, what } in &way.changes {
-                let follows_flip = std::mem::replace(&mut is_behind_flip, changes::is_flip(what));
+                flip = changes::period_of_flip(what).or(flip);
                 let at = match what.parameter() {
                     Some(value) => {
                         let uncertainty = what.uncertainty().unwrap_or(0.0);
@@ -238,7 +238,7 @@ impl Sweep for Bifurcation {
                 };
                 let words = match (what, changes::sequence(what)) {
                     (_, Some(change)) => changes::words(system, change),
-                    (WhatChanges::NotFollowed(_), _) if follows_flip => {
+                    (WhatChanges::NotFollowed(_), _) if way.is_doubled(between.0, flip) => {
                         format!("{what}, behind a flip: further flips may follow up to there")
                     }
                     _ => what.to_string(),

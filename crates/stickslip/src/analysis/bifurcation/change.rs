@@ -141,7 +141,7 @@ fn needed(attractor: &Attractor) -> u64 {
         AttractorKind::Periodic { period, .. } => {
             let orbit = attractor.steps as f64 * period / attractor.t;
             let cost = StepBudget::with_tangents(attractor.x.len());
-            (ORBITS * orbit) as u64 * cost
+            (ORBITS * orbit * cost as f64) as u64
         }
         // An equilibrium takes no steps.
         _ => 0,
