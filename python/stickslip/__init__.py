@@ -29,6 +29,7 @@ from ._errors import (
     SystemError,
 )
 from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyapunov_spectrum
+from ._fit import FitResult, Record, fit
 from ._orbits import (
     Branch,
     EquilibriumBranch,
@@ -75,6 +76,7 @@ __all__ = [
     "EquilibriumBranch",
     "Event",
     "Expression",
+    "FitResult",
     "Input",
     "InternalError",
     "Interrupted",
@@ -86,6 +88,7 @@ __all__ = [
     "ParameterMap",
     "PeriodicOrbit",
     "PoincareMap",
+    "Record",
     "Solution",
     "SolverWarning",
     "State",
@@ -100,6 +103,7 @@ __all__ = [
     "discrete",
     "equilibrium_continuation",
     "event",
+    "fit",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter",

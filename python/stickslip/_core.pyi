@@ -14,6 +14,7 @@ __all__ = [
     "continuation",
     "equilibrium_continuation",
     "end_of",
+    "fit",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter_map",
@@ -98,6 +99,23 @@ def equilibrium_continuation(
     transient: float | None,
     range: tuple[str, float, float],
     how: tuple[float, int],
+    settings: _Settings,
+) -> _Found: ...
+def fit(
+    system: System,
+    records: Sequence[
+        tuple[
+            Sequence[float],
+            Sequence[Sequence[float]],
+            Sequence[tuple[str, float]],
+            Sequence[tuple[str, float]],
+            float | None,
+        ]
+    ],
+    observables: Sequence[tuple[str, str, float | None]],
+    unknowns: Sequence[tuple[str, float | None, float, float, bool]],
+    extra: Sequence[tuple[str, float]],
+    how: tuple[str, float, int, int],
     settings: _Settings,
 ) -> _Found: ...
 def lyapunov_spectrum(

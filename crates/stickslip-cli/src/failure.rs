@@ -21,6 +21,9 @@ pub(crate) enum Failure {
     /// The attractor is not of the kind that was searched.
     #[error("{0}")]
     NoPeriodicOrbit(String),
+    /// A fit cannot begin where it should.
+    #[error("{0}")]
+    Fit(String),
     #[error(transparent)]
     Sweep(#[from] SweepError),
     #[error(transparent)]
@@ -44,7 +47,10 @@ impl Failure {
             Failure::File(_) | Failure::Setting(_) | Failure::Usage(_) => true,
             Failure::Sweep(error) => error.is_usage(),
             Failure::Table(error) => matches!(error, TableError::Request(_)),
-            Failure::Output(_) | Failure::NoPeriodicOrbit(_) | Failure::Series(_) => false,
+            Failure::Output(_)
+            | Failure::NoPeriodicOrbit(_)
+            | Failure::Fit(_)
+            | Failure::Series(_) => false,
             Failure::Computation(error) | Failure::OfSystem { error, .. } => {
                 matches!(error, Error::Option { .. } | Error::Interval { .. })
             }

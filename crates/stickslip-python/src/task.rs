@@ -30,6 +30,11 @@ impl Task {
         self.interrupt.is_raised()
     }
 
+    /// The flag that ends its orbits.
+    pub(crate) fn interrupt(&self) -> Arc<Interrupt> {
+        self.interrupt.clone()
+    }
+
     /// Counts one more finished item.
     pub(crate) fn count(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);

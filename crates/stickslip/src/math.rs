@@ -93,6 +93,11 @@ pub fn asinh(x: f64) -> f64 {
     libm::asinh(x)
 }
 
+/// The complement of the error function, `2/√π ∫ exp(−t²) dt` from `x` on.
+pub fn erfc(x: f64) -> f64 {
+    libm::erfc(x)
+}
+
 /// `e^x`.
 pub fn exp(x: f64) -> f64 {
     libm::exp(x)

@@ -44,7 +44,7 @@ impl SystemArguments {
 }
 
 /// Splits `name=value` into a name and a number.
-fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
+pub(super) fn assignment(option: &str, text: &str) -> Result<(String, f64), Failure> {
     let Some((name, value)) = text.split_once('=') else {
         let example = if option == "--start" {
             "x=0.5"
@@ -113,6 +113,17 @@ impl StartArguments {
     pub(super) fn sets(&self, state: &str) -> bool {
         let mut given = self.start.iter().filter_map(|text| text.split_once('='));
         given.any(|(name, _)| normal(name.trim()) == state)
+    }
+
+    /// Start values that are given.
+    pub(super) fn assignments(&self) -> Result<Vec<(String, f64)>, Failure> {
+        let given = self.start.iter();
+        given.map(|text| assignment("--start", text)).collect()
+    }
+
+    /// Start time, if it is given.
+    pub(super) fn time(&self) -> Option<f64> {
+        self.t_start
     }
 
     /// Start time and start state.

@@ -10,6 +10,7 @@ mod continuation;
 mod derivatives;
 mod exponent;
 mod figures;
+mod fit;
 mod lyapunov;
 mod map;
 mod merge;
@@ -32,7 +33,7 @@ use clap::{Arg, CommandFactory, FromArgMatches, Parser, Subcommand};
 use output::terminal::finish;
 
 /// Dry-friction systems from files: orbits with exact transitions between slip and stick, tangent
-/// points, periodic orbits, Lyapunov spectra, and spectra of measured series
+/// points, periodic orbits, Lyapunov spectra, fits to records, and spectra of measured series
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, after_help = AFTER_HELP, max_term_width = 100)]
 struct CommandLine {
@@ -58,6 +59,7 @@ enum Command {
     New(new::Arguments),
     Check(check::Arguments),
     Continue(continuation::Arguments),
+    Fit(fit::Arguments),
     Simulate(simulate::Arguments),
     Tangents(tangents::Arguments),
     Orbit(orbit::Arguments),
@@ -97,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Continue(arguments) => continuation::run(&arguments),
+        Command::Fit(arguments) => fit::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Tangents(arguments) => tangents::run(&arguments),
         Command::Orbit(arguments) => orbit::run(&arguments),

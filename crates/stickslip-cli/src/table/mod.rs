@@ -1,6 +1,7 @@
 //! Tables of numbers from text files and NumPy arrays.
 
 mod npy;
+mod record;
 mod rows;
 mod time;
 
@@ -11,6 +12,7 @@ use std::path::Path;
 use stickslip::error::readable;
 use stickslip_model::text_table::TextTable;
 
+pub use record::{MeasuredRecord, parse_record, read_record};
 use rows::Rows;
 pub use stickslip_model::text_table::TableError;
 

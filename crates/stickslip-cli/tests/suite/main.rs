@@ -3,6 +3,7 @@
 mod command_line;
 mod continuation;
 mod families;
+mod fit;
 mod hybrid;
 mod long_runs;
 mod model_2_page;

@@ -130,6 +130,21 @@ fn alone(
     tape(file, graph, &[root], inputs)
 }
 
+/// The tape of a formula of time, states and inputs; the `free` parameters are states behind them.
+///
+/// # Errors
+/// [`Problem`] of the formula.
+pub(super) fn formula(
+    file: &Arc<SystemFile>,
+    values: &[f64],
+    free: Freed,
+    formula: &Formula,
+) -> Result<Tape, Problem> {
+    let mut graph = Graph::new();
+    let inputs = inputs(file, values, free, &mut graph)?;
+    alone(file, (&mut graph, inputs), formula, "what is observed")
+}
+
 /// The tape of a section for these parameter values.
 ///
 /// # Errors

@@ -49,6 +49,7 @@ mod error_text;
 mod formula;
 mod names;
 mod notation;
+mod observe;
 mod problem;
 mod read;
 mod switching;
@@ -61,6 +62,7 @@ pub use builder::MOST_FREE;
 pub use error_text::Interface;
 pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
+pub use observe::{FreeStarts, Observed};
 pub use problem::{Problem, Source};
 pub use system::{PeriodError, SettingError, System};
 

@@ -5,6 +5,7 @@ mod derivatives;
 mod diagram;
 mod equilibria;
 mod extremes;
+pub mod fit;
 mod friction;
 pub mod largest;
 mod phases;

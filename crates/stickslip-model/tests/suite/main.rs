@@ -6,6 +6,7 @@ mod blocks;
 mod branches;
 mod derivatives;
 mod extremes;
+mod fit;
 mod friction;
 mod hybrid;
 mod inputs;

@@ -5,6 +5,7 @@ mod attractors;
 mod branch;
 mod equilibria;
 mod exponents;
+mod fits;
 mod orbits;
 
 use pyo3::prelude::*;
@@ -21,6 +22,7 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
         equilibria::equilibrium_continuation,
         module
     )?)?;
+    module.add_function(wrap_pyfunction!(fits::fit, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_spectrum, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_from_data, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::bifurcation_diagram, module)?)?;

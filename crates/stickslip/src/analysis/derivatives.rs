@@ -4,7 +4,7 @@ use super::cycle::SegmentEnd;
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Matrix, Moment, OrbitProgress, OrbitUnderWay, Passage,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage,
     Section, Step, Transition, Vector,
 };
 use crate::error::Error;
@@ -38,6 +38,10 @@ pub struct EventDerivatives {
 pub struct OrbitDerivatives {
     /// Of the state, at each requested time.
     pub states: Vec<Matrix>,
+    /// The states at these times; NaN where the run does not reach them.
+    pub points: Vec<Vector>,
+    /// Start, end and modes of each phase up to the last of these times.
+    pub phases: Vec<(f64, f64, Modes)>,
     /// At each transition.
     pub transitions: Vec<EventDerivatives>,
     /// At each passage of a section, with the section's index.
@@ -111,6 +115,8 @@ pub fn orbit_derivatives<Kind>(
         sections,
         found: OrbitDerivatives {
             states: Vec::with_capacity(times.len()),
+            points: Vec::with_capacity(times.len()),
+            phases: Vec::new(),
             transitions: Vec::new(),
             passages: Vec::new(),
             lost: None,
@@ -119,8 +125,10 @@ pub fn orbit_derivatives<Kind>(
     let until = times.last().map_or(t_end, |last| last.max(t0));
     let mut times = times.iter().copied().peekable();
     while times.next_if(|t| *t <= t0).is_some() {
-        carried.state();
+        carried.state(start.x.clone());
     }
+    let mut phase = (t0, t0, orbit.mode());
+    let mut last = start;
     loop {
         match orbit.step() {
             Ok(OrbitProgress::Step) => {
@@ -129,19 +137,25 @@ pub fn orbit_derivatives<Kind>(
                     break;
                 }
                 while times.next_if(|t| *t <= step.t_start).is_some() {
-                    carried.state();
+                    carried.state(step.x_start.clone());
                 }
+                (phase.1, phase.2) = (step.t_end.min(until), step.mode);
                 let solution = orbit.solution();
                 carried.before = std::mem::take(&mut carried.columns);
                 while let Some(t) = times.next_if(|t| *t < step.t_end) {
                     let x = solution(t);
-                    carried.columns = carried.inside(&step, &Moment { t, x });
-                    carried.state();
+                    let at = Moment { t, x };
+                    carried.columns = carried.inside(&step, &at);
+                    carried.state(at.x);
                 }
                 carried.columns = carried.tangent.carried(&step, &carried.before);
                 if times.next_if(|t| *t <= step.t_end).is_some() {
-                    carried.state();
+                    carried.state(step.x_end.clone());
                 }
+                last = Moment {
+                    t: step.t_end,
+                    x: step.x_end,
+                };
             }
             Ok(OrbitProgress::Transition(at)) if at.t > until => break,
             Ok(OrbitProgress::Transition(at)) => {
@@ -154,16 +168,36 @@ pub fn orbit_derivatives<Kind>(
                 let step = orbit.last_step();
                 carried.passage(&step, &at);
             }
+            Ok(OrbitProgress::PhaseEnd(ended)) if ended.t_end <= until => {
+                carried
+                    .found
+                    .phases
+                    .push((ended.t_start, ended.t_end, ended.mode));
+                phase = (ended.t_end, ended.t_end, phase.2);
+            }
             Ok(OrbitProgress::PhaseEnd(_) | OrbitProgress::Kink(_)) => {}
-            Ok(OrbitProgress::End(_)) => break,
+            Ok(OrbitProgress::End(ended)) => {
+                last = Moment {
+                    t: ended.t,
+                    x: ended.x,
+                };
+                break;
+            }
             Err(error) => {
                 carried.lose(error);
                 break;
             }
         }
     }
+    if phase.1 > phase.0 {
+        carried.found.phases.push(phase);
+    }
     // After the end, as where a jump stands there.
-    times.for_each(|_| carried.state());
+    for t in times {
+        let is_reached = t <= last.t;
+        let beyond = || last.x.map(|_| f64::NAN);
+        carried.state(if is_reached { last.x.clone() } else { beyond() });
+    }
     Ok(carried.found)
 }
 
@@ -201,9 +235,11 @@ struct Carried<'a> {
 }
 
 impl Carried<'_> {
-    /// Records the present derivatives of the state.
-    fn state(&mut self) {
-        self.found.states.push(Matrix::from_columns(&self.columns));
+    /// Records a state and its present derivatives.
+    fn state(&mut self, point: Vector) {
+        let states = point.len();
+        self.found.points.push(point);
+        self.found.states.push(matrix(states, &self.columns));
     }
 
     /// Nothing is known from here on.
@@ -329,5 +365,13 @@ fn moved(columns: &[Vector], velocity: &Vector, times: &[f64]) -> Matrix {
     let columns: Vec<Vector> = columns
         .map(|(column, dt)| column + velocity * *dt)
         .collect();
-    Matrix::from_columns(&columns)
+    matrix(velocity.len(), &columns)
+}
+
+/// The matrix of these columns, of which there may be none.
+fn matrix(rows: usize, columns: &[Vector]) -> Matrix {
+    match columns {
+        [] => Matrix::zeros(rows, 0),
+        columns => Matrix::from_columns(columns),
+    }
 }

@@ -9,6 +9,7 @@ mod critical;
 mod cycle;
 mod derivatives;
 mod lagrange;
+mod least_squares;
 mod lyapunov;
 mod monodromy;
 mod multipliers;
@@ -35,6 +36,9 @@ pub use continuation::{
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
+pub use least_squares::{
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals, least_squares,
+};
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,

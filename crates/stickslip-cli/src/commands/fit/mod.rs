@@ -1,0 +1,359 @@
+//! `stickslip fit`: parameters and starts from measured motion.
+
+mod figure;
+mod request;
+
+use serde_json::{Map, json};
+use stickslip::analysis::LeastSquaresEnd;
+use stickslip::error::readable;
+use stickslip_model::file::System;
+use stickslip_model::study::fit::{Fit, FitError, FittedColumn, FittedValue, fit};
+
+use super::arguments::{PreparedRun, RunArguments, count};
+use crate::failure::{Failure, in_words};
+use crate::render::{CommandOutput, Report, Table, within};
+use output::terminal::{note, with_spinner};
+use request::Wanted;
+use std::num::NonZeroUsize;
+
+/// Fit parameters, start values and offsets to measured motion
+///
+/// A search by least squares on exact derivatives, through slips, sticks, crossings and jumps. It
+/// begins with the values of the file, of --set and of --start.
+///
+/// Writes parameters.csv, correlations.csv, fit.csv (data, model and residuals at each time) and
+/// fit.svg.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// What is fitted: parameters, states for their start values, t0 for the time of the start
+    #[arg(long, value_name = "NAME,...", required = true)]
+    fit: String,
+    /// What a column of the data measures; can be repeated
+    ///
+    /// A formula of states, inputs, parameters and t, with the name of the column in front where
+    /// it is not the formula itself, as in force=k*z.
+    #[arg(long, value_name = "COLUMN=FORMULA", required = true)]
+    observe: Vec<String>,
+    /// Standard deviation of the noise of a column, or of all; estimated where it is not given
+    #[arg(long, value_name = "COLUMN=SIGMA")]
+    sigma: Vec<String>,
+    /// Bounds of a value that is fitted, within the range in the file; can be repeated
+    #[arg(long, value_name = "NAME=LOW..HIGH")]
+    bounds: Vec<String>,
+    /// A parameter that only formulas of --observe have, as an offset, and its value
+    #[arg(long, value_name = "NAME=VALUE")]
+    extra: Vec<String>,
+    /// Of what is fitted, parameters that each record has for itself, as starts always are
+    #[arg(long, value_name = "NAME,...")]
+    each: Option<String>,
+    /// A parameter of one record, by the number of its file: 2:speed=0.3; can be repeated
+    #[arg(long, value_name = "RECORD:NAME=VALUE")]
+    set_in: Vec<String>,
+    /// The start value of a state in one record, by the number of its file; can be repeated
+    #[arg(long, value_name = "RECORD:STATE=VALUE")]
+    start_in: Vec<String>,
+    /// The column of times; default t or time, else the first
+    #[arg(long, value_name = "COLUMN")]
+    time: Option<String>,
+    /// Weight of large residuals: squares, or soft-l1:SCALE or huber:SCALE, in standard deviations
+    #[arg(long, value_name = "LOSS", default_value = "squares")]
+    loss: String,
+    /// Also begin at as many points within the bounds, and report all minima
+    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    search: usize,
+    /// Most runs of one search for a minimum
+    #[arg(long, value_name = "COUNT", default_value = "500", value_parser = count)]
+    most_runs: NonZeroUsize,
+    #[command(flatten)]
+    run: RunArguments,
+    /// Records: tables with a column of times
+    #[arg(value_name = "DATA", required = true)]
+    data: Vec<String>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
+    let system = arguments.run.system()?;
+    let options = arguments.run.solver.options()?;
+    let wanted = request::wanted(arguments, &system, options)?;
+    wanted.notes.iter().for_each(|line| note(line));
+    // States of the start may be what is fitted.
+    let prepared = PreparedRun {
+        t: system.built.t_start,
+        x: Vec::new(),
+        system,
+        options,
+    };
+    let report = |prepared: &PreparedRun| {
+        let found = with_spinner("fitting", |_| fit(&wanted.request));
+        let found = found.map_err(|error| failure(error, &prepared.system))?;
+        report(&prepared.system, &wanted, &found)
+    };
+    arguments.run.with_report_of(&prepared, report)
+}
+
+fn failure(error: FitError, system: &System) -> Failure {
+    match error {
+        FitError::Setting(error) => error.into(),
+        FitError::File(error) => error.into(),
+        FitError::Start { ref cause, .. } | FitError::NoDerivatives { ref cause, .. } => {
+            Failure::Fit(format!("{error}: {}", in_words(cause, system)))
+        }
+        FitError::NoStart { .. } | FitError::Ends { .. } | FitError::Interrupted => {
+            Failure::Fit(error.to_string())
+        }
+        error => Failure::Usage(error.to_string()),
+    }
+}
+
+/// How a search ended, in words.
+fn ending(end: LeastSquaresEnd) -> &'static str {
+    match end {
+        LeastSquaresEnd::Cost => "the sum of squares stays",
+        LeastSquaresEnd::Step => "the values stay",
+        LeastSquaresEnd::Gradient => "the residuals are orthogonal to their derivatives",
+        LeastSquaresEnd::Change => "the sequence of phases changes at the minimum",
+        LeastSquaresEnd::Evaluations => "not converged",
+    }
+}
+
+/// A value with its standard error, or why there is none.
+fn value_in_words(one: &FittedValue) -> String {
+    match (one.std_error, one.interval) {
+        (Some(error), Some((low, high))) => {
+            let shown = within(one.value, error);
+            format!(
+                "{shown}  (95 %: {} to {})",
+                rounded(low, error),
+                rounded(high, error)
+            )
+        }
+        _ if one.is_at_bound => format!("{} (on its bound)", readable(one.value)),
+        _ => format!("{} (no standard error)", readable(one.value)),
+    }
+}
+
+/// A number to a tenth of an uncertainty.
+fn rounded(value: f64, uncertainty: f64) -> String {
+    let text = within(value, 0.1 * uncertainty);
+    text.split(" ±").next().unwrap_or_default().to_owned()
+}
+
+fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failure> {
+    let request = &wanted.request;
+    let values: usize = found.columns.iter().map(|column| column.count).sum();
+    let what = format!(
+        "{} values fitted to {values} measured ones",
+        found.values.len()
+    );
+    let mut report = Report::of(system, what);
+    for one in &found.values {
+        report.line(&one.name, value_in_words(one));
+    }
+    let fitted = Table::new()
+        .column("name", |one: &&FittedValue| one.name.clone())
+        .column("value", |one| one.value)
+        .column("std_error", |one| one.std_error)
+        .column("low", |one| one.interval.map(|of| of.0))
+        .column("high", |one| one.interval.map(|of| of.1))
+        .column("start", |one| one.start)
+        .column("lower_bound", |one| {
+            Some(one.bounds.0).filter(|b| b.is_finite())
+        })
+        .column("upper_bound", |one| {
+            Some(one.bounds.1).filter(|b| b.is_finite())
+        });
+    report.table(fitted.csv("parameters", &found.values)?);
+    report.field("values", fitted.json(&found.values));
+    uncertainties(&mut report, found)?;
+    columns(&mut report, wanted, found)?;
+    let sequences = found.phases.iter().map(|phases| {
+        let modes: Vec<_> = phases.iter().map(|phase| phase.2).collect();
+        system.sequence(&modes)
+    });
+    let sequences: Vec<String> = sequences.collect();
+    if system.contacts() + system.file.jumps.len() > 0 {
+        report.lines("phases", sequences.clone());
+    }
+    report.field("phases", sequences);
+    let others = found.others.iter().map(|other| {
+        let pairs = found.values.iter().zip(&other.values);
+        let values = pairs.map(|(one, value)| format!("{} = {}", one.name, readable(*value)));
+        let words: Vec<String> = values.collect();
+        let line = format!("{}, cost {:.4e}", words.join(", "), other.cost);
+        (line, json!({ "values": other.values, "cost": other.cost }))
+    });
+    report.list("other minima", others);
+    let work = format!(
+        "{}: {} steps, {} runs, {} of which failed",
+        ending(found.end),
+        found.steps,
+        found.evaluations,
+        found.failures
+    );
+    report.line("search", work);
+    if found.crossings + found.jumps > 0 {
+        let words = format!(
+            "the sequence of phases changed in {} steps; the residuals jumped at {} changes",
+            found.crossings, found.jumps
+        );
+        report.line("", words);
+    }
+    report.fields(json!({
+        "cost": found.cost,
+        "freedom": found.freedom,
+        "end": format!("{:?}", found.end).to_lowercase(),
+        "steps": found.steps,
+        "runs": found.evaluations,
+        "failures": found.failures,
+        "crossings": found.crossings,
+        "jumps": found.jumps,
+    }));
+    for (number, record) in request.records.iter().enumerate() {
+        let name = match request.records.len() {
+            1 => "fit".to_owned(),
+            _ => format!("fit_{}", number + 1),
+        };
+        let of_record = found
+            .columns
+            .iter()
+            .filter(|column| column.record == number);
+        let of_record: Vec<&FittedColumn> = of_record.collect();
+        let names = request
+            .observables
+            .iter()
+            .flat_map(|one| ["", "_fit", "_residual"].map(|what| format!("{}{what}", one.name)));
+        let table = Table::new()
+            .column("t", |&row: &usize| record.times[row])
+            .many("columns", names.collect(), |&row| {
+                let cells = of_record.iter().enumerate().flat_map(|(k, column)| {
+                    [
+                        record.columns[k][row],
+                        column.model[row],
+                        column.residuals[row],
+                    ]
+                });
+                cells.collect::<Vec<f64>>()
+            });
+        report.table(table.csv(&name, 0..record.times.len())?);
+        let figure = figure::figure(system, wanted, found, number, &name);
+        report.figure(&name, &figure);
+    }
+    let failure = match found.end {
+        LeastSquaresEnd::Evaluations => Some(format!(
+            "no minimum was found in {} runs: begin nearer to it, give bounds, or allow more with \
+             --most-runs",
+            found.evaluations
+        )),
+        _ => None,
+    };
+    report.field("error", &failure).failure(failure);
+    Ok(report)
+}
+
+fn uncertainties(report: &mut Report, found: &Fit) -> Result<(), Failure> {
+    /// A correlation that is told of: the errors of one are those of the other.
+    const STRONG: f64 = 0.95;
+    let names: Vec<&str> = found.values.iter().map(|one| &*one.name).collect();
+    let uncertainty = &found.uncertainty;
+    let correlations = uncertainty.correlations();
+    let undetermined = uncertainty.undetermined.iter().map(|direction| {
+        let parts = direction
+            .iter()
+            .map(|(name, part)| format!("{name} by {part:+.3}"));
+        let parts: Vec<String> = parts.collect();
+        let words = format!(
+            "the data stay with relative changes of {}",
+            parts.join(", ")
+        );
+        let parts = direction
+            .iter()
+            .map(|(name, part)| (name.clone(), json!(part)));
+        (words, json!(parts.collect::<Map<_, _>>()))
+    });
+    report.list("undetermined", undetermined);
+    if let Some(why) = uncertainty.none {
+        report.line("errors", format!("none: {why}"));
+    } else if let Some(bend) = uncertainty.bend.filter(|_| uncertainty.is_doubtful()) {
+        let percent = 100.0 * bend;
+        report.line(
+            "errors",
+            format!(
+                "doubtful: within one of them the model departs from a linear one by {percent:.0} %"
+            ),
+        );
+    }
+    report
+        .field("no_errors", uncertainty.none)
+        .field("bend", uncertainty.bend);
+    let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |k| (k, i)));
+    let strong = pairs.filter(|&(k, i)| correlations[(k, i)].abs() > STRONG);
+    let strong = strong.map(|(k, i)| {
+        let correlation = correlations[(k, i)];
+        format!("{} and {}: {correlation:+.3}", names[k], names[i])
+    });
+    report.lines("correlated", strong.collect::<Vec<_>>());
+    let all: Vec<Vec<Option<f64>>> = (0..names.len())
+        .map(|i| {
+            let row = (0..names.len()).map(|k| Some(correlations[(i, k)]));
+            row.map(|value| value.filter(|value| value.is_finite()))
+                .collect()
+        })
+        .collect();
+    report.field("correlations", &all);
+    let columns = names.iter().map(|name| (*name).to_owned()).collect();
+    let table = Table::new()
+        .column("name", |&i: &usize| names[i])
+        .many("with", columns, |&i| {
+            let row = (0..names.len()).map(|k| correlations[(i, k)]);
+            row.collect::<Vec<f64>>()
+        });
+    report.table(table.csv("correlations", 0..names.len())?);
+    Ok(())
+}
+
+/// Adds the residuals of each column, and what their order says.
+fn columns(report: &mut Report, wanted: &Wanted, found: &Fit) -> Result<(), Failure> {
+    let request = &wanted.request;
+    let name = |column: &FittedColumn| {
+        let observable = &request.observables[column.observable].name;
+        match request.records.len() {
+            1 => observable.clone(),
+            _ => format!("{observable} of {}", request.records[column.record].name),
+        }
+    };
+    let lines = found.columns.iter().map(|column| {
+        let kind = match request.observables[column.observable].sigma {
+            Some(sigma) => format!("of a noise of {}", readable(sigma)),
+            None => "from which the noise is estimated".to_owned(),
+        };
+        let order = match column.runs {
+            None => String::new(),
+            Some(runs) if runs.is_systematic() => format!(
+                "; a systematic remainder: {} runs of one sign where noise has {:.0} (p = {:.0e})",
+                runs.runs, runs.expected, runs.p_value
+            ),
+            Some(runs) => format!("; no systematic remainder (p = {:.2})", runs.p_value),
+        };
+        let name = name(column);
+        let line = format!(
+            "{name}: rms {:.3e} in {} values, {kind}{order}",
+            column.rms, column.count
+        );
+        let json = json!({
+            "record": column.record + 1,
+            "column": request.observables[column.observable].name,
+            "count": column.count,
+            "rms": column.rms,
+            "sigma": column.sigma,
+            "runs": column.runs.map(|runs| json!({
+                "runs": runs.runs,
+                "expected": runs.expected,
+                "p_value": runs.p_value,
+            })),
+        });
+        (line, json)
+    });
+    let lines: Vec<_> = lines.collect();
+    report.list("residuals", lines);
+    Ok(())
+}

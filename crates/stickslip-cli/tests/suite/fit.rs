@@ -1,0 +1,226 @@
+//! `stickslip fit`: arguments, exit codes and files.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+
+fn program(folder: &Path) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    command.current_dir(folder);
+    command
+}
+
+fn text(path: impl AsRef<Path>) -> String {
+    std::fs::read_to_string(path).unwrap()
+}
+
+/// A folder with a record of the belt, `data.csv` with the columns t, x, v and force; one cell of x
+/// is empty.
+fn folder() -> tempfile::TempDir {
+    let top = tempfile::tempdir().unwrap();
+    let mut command = program(top.path());
+    command.args([
+        "simulate",
+        "belt",
+        "--t-end",
+        "8",
+        "--no-figures",
+        "--longest-step",
+        "0.1",
+    ]);
+    command.args(["--out", "run"]).assert().success();
+    let steps = text(top.path().join("run/steps.csv"));
+    let mut rows = vec!["t,x,v,force".to_owned()];
+    let mut last = 0.0;
+    for (k, row) in steps.lines().skip(2).enumerate() {
+        let cells: Vec<f64> = row.split(',').map(|cell| cell.parse().unwrap()).collect();
+        // Behind an event the same time stands again.
+        if cells[0] <= last {
+            continue;
+        }
+        last = cells[0];
+        let x = if k == 5 {
+            String::new()
+        } else {
+            format!("{:?}", cells[1])
+        };
+        rows.push(format!(
+            "{:?},{x},{:?},{:?}",
+            cells[0],
+            cells[2],
+            3.0 * cells[1] + 0.5
+        ));
+    }
+    std::fs::write(top.path().join("data.csv"), rows.join("\n") + "\n").unwrap();
+    top
+}
+
+fn fit(top: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
+    let mut command = program(top);
+    command.args(["fit", "belt", "data.csv", "--out", "fit"]);
+    command.args(arguments).assert()
+}
+
+#[test]
+fn an_exact_record_is_fitted_with_all_files() {
+    let top = folder();
+    let truth = 3.0_f64.sqrt() / 9.0;
+    let arguments = [
+        "--fit",
+        "mu0,x,gain",
+        "--observe",
+        "x",
+        "--observe",
+        "force=gain*x + 0.5",
+        "--extra",
+        "gain=2",
+        "--set",
+        "mu0=0.17",
+        "--start",
+        "x=0.45",
+        "--bounds",
+        "mu0=0.1..0.3",
+        "--json",
+    ];
+    let done = fit(top.path(), &arguments).success();
+    let told: serde_json::Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
+    let value = |k: usize| told["values"][k]["value"].as_f64().unwrap();
+    assert!((value(0) - truth).abs() < 1e-7, "{told}");
+    assert!((value(1) - 0.5).abs() < 1e-7 && (value(2) - 3.0).abs() < 1e-7);
+    assert_eq!(told["residuals"].as_array().unwrap().len(), 2);
+    let at = |name: &str| text(top.path().join("fit").join(name));
+    assert!(at("parameters.csv").starts_with("name,value,std_error,low,high,start,"));
+    assert_eq!(at("parameters.csv").lines().count(), 4);
+    assert!(at("correlations.csv").starts_with("name,mu0,x,gain\n"));
+    let rows = at("fit.csv");
+    assert!(rows.starts_with("t,x,x_fit,x_residual,force,force_fit,force_residual\n"));
+    assert_eq!(
+        rows.lines().count(),
+        text(top.path().join("data.csv")).lines().count()
+    );
+    assert!(at("fit.svg").starts_with("<?xml") || at("fit.svg").starts_with("<svg"));
+}
+
+#[test]
+fn several_records_have_files_of_their_own() {
+    let top = folder();
+    std::fs::copy(top.path().join("data.csv"), top.path().join("again.csv")).unwrap();
+    let arguments = [
+        "again.csv",
+        "--fit",
+        "mu0,x",
+        "--observe",
+        "x",
+        "--sigma",
+        "0.01",
+        "--set-in",
+        "2:vp=1",
+        "--start-in",
+        "2:x=0.49",
+    ];
+    let done = fit(top.path(), &arguments).success();
+    done.stdout(
+        contains("x@1")
+            .and(contains("x@2"))
+            .and(contains("of a noise of 0.01")),
+    );
+    for name in ["fit_1.csv", "fit_2.csv", "fit_1.svg", "fit_2.svg"] {
+        assert!(top.path().join("fit").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_told_with_the_remedy() {
+    let top = folder();
+    let x = ["--observe", "x"];
+    for (arguments, code, said) in [
+        (vec!["--fit", "mu", x[0], x[1]], 2, "did you mean `mu0`?"),
+        (
+            vec!["--fit", "mu0", "--observe", "y"],
+            2,
+            "there is no column `y` in data.csv, which has",
+        ),
+        (
+            vec!["--fit", "mu0", "--observe", "x=y"],
+            2,
+            "unknown name `y`",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--bounds", "mu0=0.3..0.4"],
+            2,
+            "outside its bounds",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--bounds", "vp=0..1"],
+            2,
+            "it is not fitted",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--sigma", "v=1"],
+            2,
+            "--observe has no such column",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--loss", "l1"],
+            2,
+            "it is squares, soft-l1:SCALE or",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--t-start", "0.5"],
+            2,
+            "is before the start of the run",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--set-in", "2:vp=1"],
+            2,
+            "a record from 1 to 1",
+        ),
+        (
+            vec!["--fit", "idle,mu0", x[0], x[1], "--extra", "idle=1"],
+            2,
+            "`idle` has no effect",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--extra", "x=1"],
+            2,
+            "is the name of a state already",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--escape", "0.6"],
+            1,
+            "start elsewhere",
+        ),
+        (
+            vec![
+                "--fit",
+                "mu0,k1,x",
+                x[0],
+                x[1],
+                "--set",
+                "mu0=0.15",
+                "--most-runs",
+                "1",
+            ],
+            1,
+            "no minimum was found in",
+        ),
+    ] {
+        let done = fit(top.path(), &arguments);
+        done.code(code).stderr(contains(said));
+    }
+    std::fs::write(
+        top.path().join("data.csv"),
+        "t,x\n0.5,0.4\n0.4,0.5\n0.6,1\n",
+    )
+    .unwrap();
+    let arguments = ["--fit", "mu0", "--observe", "x"];
+    fit(top.path(), &arguments)
+        .code(2)
+        .stderr(contains("in row 2, does not come after"));
+    std::fs::write(top.path().join("data.csv"), "t,x\n0.5,0.4\n0.6,\n").unwrap();
+    fit(top.path(), &arguments)
+        .code(2)
+        .stderr(contains("1 values cannot determine 1 unknowns"));
+}

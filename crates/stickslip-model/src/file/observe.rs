@@ -1,0 +1,131 @@
+//! Formulas of what is measured, and names that only these have.
+
+use stickslip::Scalar;
+
+use super::build;
+use super::builder::Freed;
+use super::names::Meaning;
+use super::{FileError, Formula, Parameter, Source, System, SystemFile};
+use crate::expression::Tape;
+use crate::kernel::Switching;
+
+/// A formula of time, states, inputs and parameters, some of which are variables.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    tape: Tape,
+    switching: Switching,
+}
+
+impl Observed {
+    /// The value at a time, from the states and the parameters that are variables behind them. An
+    /// input has the value that it has from that time on.
+    pub fn value<T: Scalar>(&self, t: f64, x: &[T]) -> T {
+        let mut out = [T::zero()];
+        let x = self.switching.extended(t, x);
+        self.tape.evaluate(T::constant(t), &x, &mut out);
+        out[0]
+    }
+}
+
+impl SystemFile {
+    /// The file with further parameters, as for formulas of what is measured.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] for a name that is taken, or none.
+    pub fn with_parameters(&self, further: &[(&str, f64)]) -> Result<SystemFile, FileError> {
+        let mut file = self.clone();
+        for &(name, value) in further {
+            let meaning = Meaning::Parameter(file.parameters.len());
+            let name = file.names.add(name, 0..0, meaning).map_err(|problem| {
+                let source = Source {
+                    name: "extra parameter".to_owned(),
+                    text: name.to_owned(),
+                };
+                FileError::wrong(problem, source)
+            })?;
+            file.parameters.push(Parameter {
+                name,
+                value,
+                unit: String::new(),
+                meaning: None,
+                range: None,
+                place: 0..0,
+            });
+        }
+        Ok(file)
+    }
+}
+
+impl System {
+    /// A formula of time, states, inputs and parameters, of which `variables` are variables.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] with the fault of the formula.
+    pub fn observed(&self, text: &str, variables: &[usize]) -> Result<Observed, FileError> {
+        let source = Source {
+            name: "observable".to_owned(),
+            text: text.to_owned(),
+        };
+        let free = Freed::of(variables, false);
+        let made = Formula::parsed(text, 0..text.len(), &source).and_then(|formula| {
+            let tape = build::formula(&self.file, &self.values, free, &formula)?;
+            let switching = build::built(&self.file, &self.values, free)?.switching;
+            Ok(Observed { tape, switching })
+        });
+        made.map_err(|problem| FileError::wrong(problem, source))
+    }
+
+    /// The start time and the start of each state as formulas of the parameters `variables`, where
+    /// the file has them. The parameters stand behind the states.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] with the fault of a formula.
+    pub fn free_starts(&self, variables: &[usize]) -> Result<FreeStarts, FileError> {
+        let free = Freed::of(variables, false);
+        let tape = |formula: &Formula| build::formula(&self.file, &self.values, free, formula);
+        let wrong = |problem| FileError::wrong(problem, self.file.source.clone());
+        let states = self.file.states.iter().map(|state| &state.start);
+        let states = states.map(|start| start.as_ref().map(tape).transpose());
+        Ok(FreeStarts {
+            states: states.collect::<Result<_, _>>().map_err(wrong)?,
+            time: self
+                .file
+                .time
+                .start
+                .as_ref()
+                .map(tape)
+                .transpose()
+                .map_err(wrong)?,
+        })
+    }
+
+    /// Times that the tables of measured inputs cover; none without tables.
+    pub fn covered(&self) -> Option<(f64, f64)> {
+        let tables = self
+            .file
+            .inputs
+            .iter()
+            .filter_map(|input| match &input.shape {
+                super::InputShape::Table(pieces) => Some(pieces),
+                _ => None,
+            });
+        tables
+            .map(|pieces| {
+                let times = pieces.iter().map(|piece| piece.from);
+                let times = times.filter(|from| from.is_finite());
+                times.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), t| {
+                    (low.min(t), high.max(t))
+                })
+            })
+            .reduce(|one, other| (one.0.max(other.0), one.1.min(other.1)))
+    }
+}
+
+/// Formulas of starts, as [`System::free_starts`] makes them.
+#[derive(Clone, Debug)]
+pub struct FreeStarts {
+    /// Of each state.
+    pub states: Vec<Option<Tape>>,
+    /// Of the time.
+    pub time: Option<Tape>,
+}

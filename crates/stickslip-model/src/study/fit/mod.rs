@@ -1,0 +1,289 @@
+//! Parameters, starts and offsets of a system fitted to measured motion.
+
+mod errors;
+mod problem;
+mod statistics;
+mod uncertainty;
+
+use rayon::prelude::*;
+use std::sync::Arc;
+use stickslip::analysis::{
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, least_squares,
+};
+use stickslip::dynamics::{Interrupt, Matrix, Modes, Vector};
+use stickslip::{Error, Options};
+
+pub use errors::FitError;
+use problem::{Problem, Sequence};
+pub use statistics::RunsTest;
+pub use uncertainty::Uncertainty;
+
+use crate::file::SystemFile;
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observable {
+    /// Name of its column.
+    pub name: String,
+    /// Formula of time, states, inputs and parameters.
+    pub formula: String,
+    /// Standard deviation of its noise; estimated from the residuals where there is none.
+    pub sigma: Option<f64>,
+}
+
+/// One measured record.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Name in messages.
+    pub name: String,
+    /// Times, rising.
+    pub times: Vec<f64>,
+    /// A column for each observable. NaN is a missing value.
+    pub columns: Vec<Vec<f64>>,
+    /// Values of parameters in this record alone.
+    pub set: Vec<(String, f64)>,
+    /// Start values of states in this record alone.
+    pub start: Vec<(String, f64)>,
+    /// Time of the start; default as in the file.
+    pub t_start: Option<f64>,
+}
+
+/// A parameter, a state for its start value, or `t0` for the time of the start.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unknown {
+    /// Name.
+    pub name: String,
+    /// Where the search begins; default as in the file.
+    pub start: Option<f64>,
+    /// Bounds, within the range that the file gives.
+    pub bounds: (f64, f64),
+    /// Whether each record has its own value, as starts always have.
+    pub each: bool,
+}
+
+/// Data, model and settings of a fit.
+#[derive(Clone, Debug)]
+pub struct FitRequest {
+    /// The system.
+    pub file: SystemFile,
+    /// Values of its parameters.
+    pub set: Vec<(String, f64)>,
+    /// Parameters of the observables alone, as offsets, with their values.
+    pub extra: Vec<(String, f64)>,
+    /// What is measured.
+    pub observables: Vec<Observable>,
+    /// Records.
+    pub records: Vec<Record>,
+    /// What is fitted.
+    pub unknowns: Vec<Unknown>,
+    /// Weight of large residuals.
+    pub loss: Loss,
+    /// Number of starts within the bounds, besides the given one.
+    pub search: usize,
+    /// Most evaluations of one search.
+    pub most_evaluations: usize,
+    /// Options of the solver.
+    pub options: Options,
+    /// Ends the fit when raised.
+    pub interrupt: Option<Arc<Interrupt>>,
+}
+
+/// A fitted value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedValue {
+    /// Name; with several records `x@2` is that of the second.
+    pub name: String,
+    /// Where the search began.
+    pub start: f64,
+    /// Value.
+    pub value: f64,
+    /// Bounds.
+    pub bounds: (f64, f64),
+    /// Whether the value is one of the bounds.
+    pub is_at_bound: bool,
+    /// Standard error, if there is one.
+    pub std_error: Option<f64>,
+    /// Interval that contains the true value in 95 of 100 fits, if the model is linear in it.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// One column of a record at the fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedColumn {
+    /// Index of the record, from 0.
+    pub record: usize,
+    /// Index of the observable, from 0.
+    pub observable: usize,
+    /// Values at the times of the record.
+    pub model: Vec<f64>,
+    /// Data minus model; NaN where a value is missing.
+    pub residuals: Vec<f64>,
+    /// Number of values.
+    pub count: usize,
+    /// Root of the mean square of the residuals.
+    pub rms: f64,
+    /// Standard deviation of the noise, given or estimated.
+    pub sigma: f64,
+    /// Test of the order of the signs of the residuals, where there are enough of them.
+    pub runs: Option<RunsTest>,
+}
+
+/// Another minimum that the search has found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OtherMinimum {
+    /// Values of the unknowns.
+    pub values: Vec<f64>,
+    /// Cost, as [`Fit::cost`].
+    pub cost: f64,
+}
+
+/// Result of a fit.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Fitted values.
+    pub values: Vec<FittedValue>,
+    /// Uncertainties and what the data do not determine.
+    pub uncertainty: Uncertainty,
+    /// Columns of all records.
+    pub columns: Vec<FittedColumn>,
+    /// Start, end and modes of the phases of each record.
+    pub phases: Vec<Vec<(f64, f64, Modes)>>,
+    /// Times of each record.
+    pub times: Vec<Vec<f64>>,
+    /// Half the weighted sum of squares of the residuals over their standard deviations.
+    pub cost: f64,
+    /// Number of values minus number of unknowns.
+    pub freedom: usize,
+    /// Why the search ended.
+    pub end: LeastSquaresEnd,
+    /// Steps, evaluations, and those of them that failed.
+    pub steps: usize,
+    /// Evaluations in all.
+    pub evaluations: usize,
+    /// Evaluations that failed, each of which shortened a step.
+    pub failures: usize,
+    /// Steps that changed the sequence of phases.
+    pub crossings: usize,
+    /// Changes of the sequence at which the residuals jump.
+    pub jumps: usize,
+    /// Further minima, by rising cost.
+    pub others: Vec<OtherMinimum>,
+}
+
+/// Relative change of the estimated deviations at which they are final, and most rounds.
+const SAME_SIGMA: f64 = 1e-3;
+const MOST_ROUNDS: usize = 20;
+
+/// Starts of a search from which minima are sought: the best of them. It is chosen.
+const SEARCHED_FROM: usize = 8;
+
+/// Minima closer than this part of the bounds are one.
+const SAME_MINIMUM: f64 = 1e-3;
+
+/// Relative tolerance of the search: some hundred times the error of derivatives.
+const TOLERANCE: f64 = 1e-10;
+
+/// Fits the unknowns of a request by weighted least squares on exact derivatives.
+///
+/// # Errors
+/// [`FitError`].
+pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
+    let mut problem = Problem::new(request)?;
+    let settings = |problem: &Problem| LeastSquaresSettings {
+        bounds: problem.bounds(),
+        loss: request.loss,
+        tolerance: TOLERANCE,
+        most_evaluations: request.most_evaluations.max(1),
+    };
+    let given = problem.start();
+    let starts = match request.search {
+        0 => {
+            problem.check_start(&given)?;
+            vec![given]
+        }
+        count => problem.best_starts(&given, count, SEARCHED_FROM)?,
+    };
+    let minima = |problem: &Problem, starts: &[Vector]| {
+        let settings = settings(problem);
+        let found = starts.par_iter().map(|start| {
+            let found = least_squares(start, &settings, |x| problem.residuals(x));
+            found.map_err(|error| problem.failed(error))
+        });
+        found.collect::<Vec<Result<LeastSquares<Sequence>, FitError>>>()
+    };
+    let mut found = Vec::new();
+    let mut first_error = None;
+    for one in minima(&problem, &starts) {
+        match one {
+            Ok(one) => found.push(one),
+            Err(error) => first_error = first_error.or(Some(error)),
+        }
+    }
+    problem.check_interrupt()?;
+    found.sort_by(|one, other| one.cost.total_cmp(&other.cost));
+    let mut distinct: Vec<LeastSquares<Sequence>> = Vec::new();
+    for one in found {
+        if !distinct
+            .iter()
+            .any(|known| problem.is_same(&known.x, &one.x))
+        {
+            distinct.push(one);
+        }
+    }
+    let others = distinct.split_off(1.min(distinct.len()));
+    let Some(mut best) = distinct.pop() else {
+        return Err(first_error.unwrap_or(FitError::NoData));
+    };
+    for _ in 0..MOST_ROUNDS {
+        let scales = problem.sigmas.clone();
+        let largest = problem.estimate_sigmas(&best)?;
+        if scales == problem.sigmas {
+            break;
+        }
+        let again = minima(&problem, std::slice::from_ref(&best.x)).pop();
+        let again = again.unwrap_or(Err(FitError::NoData))?;
+        best = LeastSquares {
+            steps: best.steps + again.steps,
+            evaluations: best.evaluations + again.evaluations,
+            failures: best.failures + again.failures,
+            crossings: best.crossings + again.crossings,
+            jumps: best.jumps + again.jumps,
+            // The first search has converged, whatever rounding lets the second find.
+            end: match again.steps {
+                0 => best.end,
+                _ => again.end,
+            },
+            ..again
+        };
+        problem.check_interrupt()?;
+        if largest <= SAME_SIGMA {
+            break;
+        }
+    }
+    let uncertainty = Uncertainty::of(&problem, &best);
+    problem.check_interrupt()?;
+    let others = others.into_iter().map(|one| OtherMinimum {
+        values: one.x.as_slice().to_vec(),
+        cost: problem.cost(&one.x).unwrap_or(f64::NAN),
+    });
+    let others = others.collect();
+    problem.result(best, uncertainty, others)
+}
+
+/// Values and derivatives of all columns of all records.
+#[derive(Clone, Debug)]
+pub(crate) struct Modelled {
+    /// For each record, for each column, the values at its times.
+    pub(crate) values: Vec<Vec<Vec<f64>>>,
+    /// Residuals over deviations, without missing values.
+    pub(crate) residuals: Vector,
+    /// Their derivatives.
+    pub(crate) jacobian: Matrix,
+    /// Phases of each record.
+    pub(crate) phases: Vec<Vec<(f64, f64, Modes)>>,
+    /// Why, and from when on, a record has no derivatives.
+    pub(crate) lost: Option<(usize, Error)>,
+}
+
+#[cfg(test)]
+mod tests;

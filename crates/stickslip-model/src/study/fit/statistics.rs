@@ -1,0 +1,142 @@
+//! Quantiles, a test of residuals, and starts that fill a box.
+
+use stickslip::math;
+
+/// Fewest residuals of each sign for the normal approximation of the test of runs (Siegel,
+/// *Nonparametric Statistics*, 1956, asks for 20 in all).
+const FEWEST_SIGNS: usize = 10;
+
+/// Test of the order of the signs of residuals (Wald and Wolfowitz, *Ann. Math. Stat.* 11 (1940)
+/// 147). Noise that is independent from value to value gives all orders the same chance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunsTest {
+    /// Number of runs of one sign.
+    pub runs: usize,
+    /// Number expected of independent noise.
+    pub expected: f64,
+    /// Chance of a number at least as far off.
+    pub p_value: f64,
+}
+
+impl RunsTest {
+    /// Whether the residuals have a systematic part, with 1 % of false alarms.
+    pub fn is_systematic(&self) -> bool {
+        self.p_value < 0.01
+    }
+}
+
+/// The test of runs; none for too few residuals.
+pub(super) fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
+    let signs = residuals.iter().filter(|r| **r != 0.0);
+    let signs: Vec<bool> = signs.map(|r| *r > 0.0).collect();
+    let above = signs.iter().filter(|sign| **sign).count();
+    let below = signs.len() - above;
+    if signs.len() < 2 * FEWEST_SIGNS {
+        return None;
+    }
+    let runs = 1 + signs.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    let (a, b, n) = (above as f64, below as f64, signs.len() as f64);
+    let expected = 2.0 * a * b / n + 1.0;
+    let variance = (expected - 1.0) * (expected - 2.0) / (n - 1.0);
+    let p_value = match above.min(below) {
+        // The order says little; that so few of a coin's sides are one says enough.
+        few if few < FEWEST_SIGNS / 2 => math::erfc((0.5 * n - few as f64) / (0.5 * n).sqrt()),
+        _ => math::erfc((runs as f64 - expected).abs() / (2.0 * variance).sqrt()),
+    };
+    Some(RunsTest {
+        runs,
+        expected,
+        p_value,
+    })
+}
+
+/// The quantile 0.975 of Student's distribution (Abramowitz and Stegun 26.7.5; below 1e-3 from
+/// three degrees of freedom on), or of the normal one without degrees.
+pub(super) fn quantile(freedom: Option<usize>) -> f64 {
+    const Z: f64 = 1.959_963_984_540_054;
+    // The expansion is of no use below.
+    const SMALL: [f64; 2] = [12.706_204_7, 4.302_652_7];
+    let Some(freedom) = freedom else {
+        return Z;
+    };
+    if let Some(value) = freedom.checked_sub(1).and_then(|k| SMALL.get(k)) {
+        return *value;
+    }
+    let n = freedom.max(1) as f64;
+    let z2 = Z * Z;
+    let g1 = Z * (z2 + 1.0) / 4.0;
+    let g2 = Z * ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0;
+    let g3 = Z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0;
+    let g4 = Z * ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92160.0;
+    Z + (g1 + (g2 + (g3 + g4 / n) / n) / n) / n
+}
+
+/// Standard deviation of values, or 1 where they are all the same.
+pub(super) fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let count = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+    match (squares / count).sqrt() {
+        spread if spread > 0.0 && spread.is_finite() => spread,
+        _ => 1.0,
+    }
+}
+
+/// Number `k` of the sequence of van der Corput for a dimension: parts of Halton's points (*Numer.
+/// Math.* 2 (1960) 84).
+pub(super) fn halton(k: usize, dimension: usize) -> f64 {
+    const PRIMES: [usize; 24] = [
+        2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61, 67, 71, 73, 79, 83, 89,
+    ];
+    let base = PRIMES[dimension % PRIMES.len()];
+    let (mut rest, mut part, mut value) = (k, 1.0, 0.0);
+    while rest > 0 {
+        part /= base as f64;
+        value += part * (rest % base) as f64;
+        rest /= base;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_tables() {
+        for (freedom, value) in [
+            (1, 12.7062),
+            (2, 4.3027),
+            (3, 3.1824),
+            (5, 2.5706),
+            (10, 2.2281),
+            (30, 2.0423),
+            (1000, 1.9623),
+        ] {
+            let own = quantile(Some(freedom));
+            assert!((own - value).abs() < 1.2e-3, "{freedom}: {own}");
+        }
+    }
+
+    #[test]
+    fn runs_tell_noise_from_a_remainder() {
+        let noise: Vec<f64> = {
+            let random = &mut numerics::SplitMix::new(5);
+            (0..200).map(|_| random.between(-1.0, 1.0)).collect()
+        };
+        assert!(!runs_test(&noise).unwrap().is_systematic());
+        let slow: Vec<f64> = (0..200).map(|k| math::sin(0.1 * f64::from(k))).collect();
+        assert!(runs_test(&slow).unwrap().p_value < 1e-20);
+        let one_sided = vec![1.0; 40];
+        assert!(runs_test(&one_sided).unwrap().p_value < 1e-9);
+        assert_eq!(runs_test(&[1.0; 8]), None);
+        // In 2000 series of noise there are about 20 false alarms.
+        let random = &mut numerics::SplitMix::new(6);
+        let alarms = (0..2000).filter(|_| {
+            let noise: Vec<f64> = (0..100).map(|_| random.between(-1.0, 1.0)).collect();
+            runs_test(&noise).unwrap().is_systematic()
+        });
+        let alarms = alarms.count();
+        assert!((5..=40).contains(&alarms), "{alarms}");
+    }
+}

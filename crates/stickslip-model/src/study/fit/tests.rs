@@ -1,0 +1,130 @@
+//! Derivatives of residuals against differences of runs.
+
+use stickslip::Options;
+use stickslip::analysis::Loss;
+
+use super::problem::Problem;
+use super::*;
+use crate::file::Source;
+
+/// A block on a belt: starts and the start time are formulas of a parameter, the period of the
+/// drive is one, and the record has an offset and a gain.
+const BELT: &str = r#"
+name = "case"
+[time]
+start = "0.1*mu"
+[states]
+x = ""
+v = ""
+[parameters]
+mu = 0.5
+more = 0.2
+speed = 0.3
+T = 3.1
+[inputs.push]
+shape = "triangle"
+period = "T"
+[contacts.belt]
+boundary = "v - speed"
+friction = "mu/(1 + belt*(v - speed))"
+static = "mu + more"
+[field]
+x = "v"
+v = "-x + 0.9*push - friction(belt)"
+[start]
+x = "0.4*mu"
+v = 0.9
+"#;
+
+fn request(unknowns: &[&str]) -> FitRequest {
+    let (name, text) = ("system.toml".to_owned(), BELT.to_owned());
+    let times: Vec<f64> = (0..30).map(|k| 0.31 + 0.37 * f64::from(k)).collect();
+    let column: Vec<f64> = times
+        .iter()
+        .map(|t| if *t > 5.0 { 0.2 } else { f64::NAN })
+        .collect();
+    let record = |t_start, set: &[(String, f64)]| Record {
+        name: "record".to_owned(),
+        times: times.clone(),
+        columns: vec![vec![0.1; 30], column.clone()],
+        set: set.to_vec(),
+        start: Vec::new(),
+        t_start,
+    };
+    let observable = |name: &str, formula: &str, sigma| Observable {
+        name: name.to_owned(),
+        formula: formula.to_owned(),
+        sigma: Some(sigma),
+    };
+    FitRequest {
+        file: SystemFile::parse(Source { name, text }).unwrap(),
+        set: Vec::new(),
+        extra: vec![("gain".to_owned(), 1.2), ("off".to_owned(), 0.1)],
+        observables: vec![
+            observable("x", "gain*x + off*speed", 0.1),
+            observable("force", "x*x + push + sin(v)", 2.0),
+        ],
+        records: vec![
+            record(None, &[]),
+            record(Some(0.2), &[("more".to_owned(), 0.3)]),
+        ],
+        unknowns: unknowns
+            .iter()
+            .map(|name| Unknown {
+                name: (*name).to_owned(),
+                start: None,
+                bounds: (f64::NEG_INFINITY, f64::INFINITY),
+                each: *name == "off",
+            })
+            .collect(),
+        loss: Loss::Squares,
+        search: 0,
+        most_evaluations: 100,
+        options: Options::tol(1e-12),
+        interrupt: None,
+    }
+}
+
+#[test]
+fn derivatives_of_residuals_are_differences_of_runs() {
+    const STEP: f64 = 1e-5;
+    let names: [&[&str]; 2] = [
+        &["mu", "speed", "T", "gain", "off"],
+        &["mu", "x", "v", "t0", "gain"],
+    ];
+    for names in names {
+        let request = request(names);
+        let problem = Problem::new(&request).unwrap();
+        let x = problem.start();
+        let Ok(at) = problem.modelled(&x) else {
+            panic!("the run fails");
+        };
+        assert!(at.lost.is_none(), "{:?}", at.lost);
+        // Starts and offsets are separate in both records.
+        let shared = names
+            .iter()
+            .filter(|name| !["x", "v", "t0", "off"].contains(name));
+        assert_eq!(x.len(), 2 * names.len() - shared.count());
+        for k in 0..x.len() {
+            let residuals = |by: f64| {
+                let mut x = x.clone();
+                x[k] += by * STEP;
+                let Ok(at) = problem.modelled(&x) else {
+                    panic!("the run fails");
+                };
+                at.residuals
+            };
+            let difference = ((residuals(1.0) - residuals(-1.0)) * 8.0
+                - (residuals(2.0) - residuals(-2.0)))
+                / (12.0 * STEP);
+            let off = (&difference - at.jacobian.column(k)).amax();
+            let size = difference.amax();
+            assert!(size > 1e-3, "{}", problem.name(k));
+            assert!(
+                off < 3e-6 * (1.0 + size),
+                "{}: {off} of {size}",
+                problem.name(k)
+            );
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Standard errors, correlations, and what the data do not determine.
+
+use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss};
+use stickslip::dynamics::{Matrix, Vector};
+use stickslip::nalgebra::{QR, SVD};
+
+use super::Modelled;
+use super::problem::{Problem, Sequence};
+use super::statistics::quantile;
+
+/// Error of derivatives over the tolerance of a step: some hundred times that of states, times ten.
+const ERROR_OF_DERIVATIVES: f64 = 1e3;
+
+/// Halvings to a change of the sequence, and the part of the whole change that is left there where
+/// residuals are continuous: a square root has a thousandth.
+const HALVINGS: u32 = 20;
+const JUMP: f64 = 1e-2;
+
+/// Distance from the linear model, over the change itself, above which intervals are doubtful. It
+/// is chosen.
+const DOUBTFUL: f64 = 0.3;
+
+/// Uncertainties of a fit, from the singular values of its derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Uncertainty {
+    /// Of each unknown: none on a bound, where the data do not determine it, or for [`Self::none`].
+    pub std_errors: Vec<Option<f64>>,
+    /// Covariances of the unknowns; NaN where there are none.
+    pub covariance: Matrix,
+    /// Quantile of the 95 % intervals: half their width over the standard error.
+    pub quantile: f64,
+    /// Combinations that the data do not determine: for each unknown its part, relative to its
+    /// value, of which the largest is 1.
+    pub undetermined: Vec<Vec<(String, f64)>>,
+    /// Why there is no standard error at all.
+    pub none: Option<&'static str>,
+    /// Distance of the residuals from the linear model within one standard error, relative to
+    /// their change; none where only rounding is left.
+    pub bend: Option<f64>,
+}
+
+impl Uncertainty {
+    /// Whether the model is so curved within a standard error that intervals are doubtful.
+    pub fn is_doubtful(&self) -> bool {
+        self.bend.is_some_and(|bend| bend > DOUBTFUL)
+    }
+
+    /// Correlations of the unknowns; NaN where there are none.
+    pub fn correlations(&self) -> Matrix {
+        let covariance = &self.covariance;
+        Matrix::from_fn(covariance.nrows(), covariance.ncols(), |i, k| {
+            covariance[(i, k)] / (covariance[(i, i)] * covariance[(k, k)]).sqrt()
+        })
+    }
+
+    pub(super) fn of(problem: &Problem<'_>, best: &LeastSquares<Sequence>) -> Self {
+        let count = best.x.len();
+        let mut own = Uncertainty {
+            std_errors: vec![None; count],
+            covariance: Matrix::repeat(count, count, f64::NAN),
+            quantile: quantile(None),
+            undetermined: Vec::new(),
+            none: None,
+            bend: None,
+        };
+        let Ok(at) = problem.modelled(&best.x) else {
+            own.none = Some("the run fails there");
+            return own;
+        };
+        let rows = at.residuals.len();
+        if problem.is_estimated() {
+            own.quantile = quantile(Some(rows.saturating_sub(count)));
+        }
+        if at.jacobian.iter().any(|slope| !slope.is_finite()) {
+            own.none = Some("the run has no derivatives there");
+            return own;
+        }
+        let bounds = problem.bounds();
+        let is_inside = |&k: &usize| best.x[k] > bounds[k].0 && best.x[k] < bounds[k].1;
+        let inside: Vec<usize> = (0..count).filter(is_inside).collect();
+        if inside.is_empty() {
+            return own;
+        }
+        let norms: Vec<f64> = (0..count).map(|k| at.jacobian.column(k).norm()).collect();
+        let scales: Vec<f64> = inside
+            .iter()
+            .map(|&k| if norms[k] > 0.0 { norms[k] } else { 1.0 })
+            .collect();
+        let columns: Vec<Vector> = inside
+            .iter()
+            .zip(&scales)
+            .map(|(&k, scale)| at.jacobian.column(k) / *scale)
+            .collect();
+        let svd = SVD::new(QR::new(Matrix::from_columns(&columns)).r(), false, true);
+        let (singular, Some(right)) = (svd.singular_values, svd.v_t) else {
+            own.none = Some("its derivatives have no singular values");
+            return own;
+        };
+        let least = singular.amax()
+            * (ERROR_OF_DERIVATIVES * problem.tolerance() + f64::EPSILON * rows as f64);
+        // Of each direction, the change of the unknowns by one standard deviation.
+        let factor = variance_factor(problem.loss(), &at.residuals, count).sqrt();
+        let mut directions: Vec<Vector> = Vec::new();
+        let mut is_open = vec![false; inside.len()];
+        for (s, row) in singular.iter().zip(right.row_iter()) {
+            if *s > least {
+                let parts = row
+                    .iter()
+                    .zip(&scales)
+                    .map(|(v, scale)| factor * v / scale / s);
+                directions.push(Vector::from_iterator(inside.len(), parts));
+                continue;
+            }
+            let parts = row.iter().zip(&inside).zip(&scales);
+            let relative = parts.map(|((v, &k), scale)| {
+                let value = best.x[k].abs();
+                v / scale / if value > 0.0 { value } else { 1.0 }
+            });
+            let relative: Vec<f64> = relative.collect();
+            let most = relative
+                .iter()
+                .fold(0.0_f64, |a, b| if b.abs() > a.abs() { *b } else { a });
+            let mut named = Vec::new();
+            for ((part, &k), open) in relative.iter().zip(&inside).zip(&mut is_open) {
+                let part = part / most;
+                // Less is rounding of the singular vectors.
+                if part.abs() > 1e-6 {
+                    named.push((problem.name(k).to_owned(), part));
+                    *open = true;
+                }
+            }
+            own.undetermined.push(named);
+        }
+        own.check_around(problem, (best, &at), (&inside, &directions));
+        if best.end == LeastSquaresEnd::Change {
+            own.none = Some("the minimum lies where the sequence of phases changes");
+        }
+        if own.none.is_some() {
+            return own;
+        }
+        for (i, &k) in inside.iter().enumerate() {
+            for (j, &l) in inside.iter().enumerate() {
+                if !is_open[i] && !is_open[j] {
+                    let products = directions.iter().map(|of| of[i] * of[j]);
+                    own.covariance[(k, l)] = products.sum();
+                }
+            }
+            if !is_open[i] {
+                own.std_errors[k] = Some(own.covariance[(k, k)].sqrt());
+            }
+        }
+        own
+    }
+
+    /// Looks one standard deviation along each direction for what the linear model misses.
+    fn check_around(
+        &mut self,
+        problem: &Problem<'_>,
+        (best, at): (&LeastSquares<Sequence>, &Modelled),
+        (inside, directions): (&[usize], &[Vector]),
+    ) {
+        let bounds = problem.bounds();
+        let rounding = ERROR_OF_DERIVATIVES * problem.tolerance() * {
+            let values = at
+                .values
+                .iter()
+                .flat_map(|record| record.iter().zip(&problem.sigmas));
+            let sizes = values.flat_map(|(values, sigma)| values.iter().map(move |v| v / sigma));
+            sizes.map(|size| size * size).sum::<f64>().sqrt()
+        };
+        let sequence = |at: &Modelled| -> Sequence {
+            let modes = |phases: &Vec<(f64, f64, _)>| phases.iter().map(|one| one.2).collect();
+            at.phases.iter().map(modes).collect()
+        };
+        let here = sequence(at);
+        for direction in directions {
+            for sign in [-1.0, 1.0] {
+                let mut step = Vector::zeros(best.x.len());
+                for (&k, part) in inside.iter().zip(direction) {
+                    step[k] = sign * part;
+                }
+                let x = &best.x + &step;
+                if x.iter()
+                    .zip(&bounds)
+                    .any(|(x, (low, high))| x < low || x > high)
+                {
+                    continue;
+                }
+                let linear = &at.jacobian * &step;
+                if linear.norm() <= rounding {
+                    continue;
+                }
+                let Ok(there) = problem.modelled(&x) else {
+                    self.none = Some("within one standard error a run fails");
+                    return;
+                };
+                let change = &there.residuals - &at.residuals;
+                let bend = (&change - &linear).norm() / linear.norm();
+                self.bend = Some(self.bend.map_or(bend, |known| known.max(bend)));
+                if sequence(&there) != here {
+                    let left = jump_on_the_way(problem, (&best.x, at), (&step, there), &sequence);
+                    if left.is_none_or(|left| left > JUMP * linear.norm()) {
+                        self.none = Some(
+                            "within one standard error the sequence of phases changes, and what \
+                             is observed jumps there",
+                        );
+                        return;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Change of the residuals across the first change of the sequence that bisection finds on the way;
+/// none where a run fails.
+fn jump_on_the_way(
+    problem: &Problem<'_>,
+    (x, at): (&Vector, &Modelled),
+    (step, there): (&Vector, Modelled),
+    sequence: &impl Fn(&Modelled) -> Sequence,
+) -> Option<f64> {
+    let (mut low, mut high) = (0.0, 1.0);
+    let (mut before, mut beyond) = (at.clone(), there);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        let now = problem.modelled(&(x + step * middle)).ok()?;
+        if sequence(&now) == sequence(at) {
+            (low, before) = (middle, now);
+        } else {
+            (high, beyond) = (middle, now);
+        }
+    }
+    Some((beyond.residuals - before.residuals).norm())
+}
+
+/// Variance of the estimate over that of squares with known deviations (Huber, *Robust Statistics*,
+/// 1981, section 7.6).
+fn variance_factor(loss: Loss, residuals: &Vector, unknowns: usize) -> f64 {
+    if loss == Loss::Squares {
+        return 1.0;
+    }
+    let count = residuals.len() as f64;
+    let (mut squares, mut slopes) = (0.0, 0.0);
+    for residual in residuals {
+        let (_, of_value, of_slope) = loss.of(*residual);
+        squares += (residual * of_value * of_slope).powi(2);
+        slopes += of_slope * of_slope;
+    }
+    let slope = slopes / count;
+    squares / (count - unknowns as f64) / (slope * slope)
+}

@@ -1,0 +1,479 @@
+//! Parameters fitted to records of exact runs.
+
+use numerics::SplitMix;
+use stickslip::analysis::{LeastSquaresEnd, Loss};
+use stickslip::math;
+use stickslip_model::file::SystemFile;
+use stickslip_model::study::fit::{Fit, FitError, FitRequest, Observable, Record, Unknown, fit};
+
+use super::run::{options, parsed};
+
+/// A block on a belt, with friction that falls with the speed.
+const BELT: &str = r#"
+name = "case"
+[states]
+x = ""
+v = ""
+[parameters]
+mu = 0.5
+fall = 1
+speed = 0.3
+k = 1
+idle = 1
+[contacts.belt]
+boundary = "v - speed"
+friction = "mu/(1 + fall*belt*(v - speed))"
+[field]
+x = "v"
+v = "-k*x - friction(belt)"
+[start]
+x = 0.2
+v = 0.9
+"#;
+
+fn observable(formula: &str, sigma: Option<f64>) -> Observable {
+    Observable {
+        name: formula.to_owned(),
+        formula: formula.to_owned(),
+        sigma,
+    }
+}
+
+fn unknown(name: &str, start: Option<f64>) -> Unknown {
+    Unknown {
+        name: name.to_owned(),
+        start,
+        bounds: (f64::NEG_INFINITY, f64::INFINITY),
+        each: false,
+    }
+}
+
+fn request(file: SystemFile, unknowns: Vec<Unknown>, observables: Vec<Observable>) -> FitRequest {
+    FitRequest {
+        file,
+        set: Vec::new(),
+        extra: Vec::new(),
+        observables,
+        records: Vec::new(),
+        unknowns,
+        loss: Loss::Squares,
+        search: 0,
+        most_evaluations: 200,
+        options: options("taylor"),
+        interrupt: None,
+    }
+}
+
+/// Values of formulas along the run of a file at times, which a fit of nothing else reports.
+fn exact(file: &SystemFile, formulas: &[&str], times: &[f64]) -> Vec<Vec<f64>> {
+    let observables = formulas.iter().map(|one| observable(one, None)).collect();
+    let free = vec![Unknown {
+        bounds: (-1.0, 1.0),
+        ..unknown("none", Some(0.5))
+    }];
+    let mut request = request(file.clone(), free, observables);
+    // With one unknown that acts on an added column alone, the model is the run itself.
+    request.extra = vec![("none".to_owned(), 0.5)];
+    request.observables.push(observable("none", None));
+    let columns = vec![vec![0.0; times.len()]; formulas.len() + 1];
+    request.records.push(record(times, columns));
+    let found = fit(&request).unwrap_or_else(|error| panic!("{error}"));
+    let columns = found.columns.into_iter().map(|column| column.model);
+    columns.take(formulas.len()).collect()
+}
+
+fn record(times: &[f64], columns: Vec<Vec<f64>>) -> Record {
+    Record {
+        name: "record".to_owned(),
+        times: times.to_vec(),
+        columns,
+        set: Vec::new(),
+        start: Vec::new(),
+        t_start: None,
+    }
+}
+
+fn times(count: u32, step: f64) -> Vec<f64> {
+    (1..=count).map(|k| step * f64::from(k)).collect()
+}
+
+/// A normal deviate (Box and Muller).
+fn normal(random: &mut SplitMix) -> f64 {
+    let (u, v) = (random.between(1e-300, 1.0), random.between(0.0, 1.0));
+    (-2.0 * math::ln(u)).sqrt() * math::cos(2.0 * std::f64::consts::PI * v)
+}
+
+fn noisy(columns: &[Vec<f64>], sigma: f64, seed: u64) -> Vec<Vec<f64>> {
+    let random = &mut SplitMix::new(seed);
+    let noisy = |column: &Vec<f64>| column.iter().map(|x| x + sigma * normal(random)).collect();
+    columns.iter().map(noisy).collect()
+}
+
+fn value(found: &Fit, name: &str) -> f64 {
+    found
+        .values
+        .iter()
+        .find(|one| one.name == name)
+        .unwrap()
+        .value
+}
+
+fn refused(request: &FitRequest) -> String {
+    fit(request).err().expect("it is refused").to_string()
+}
+
+#[test]
+fn an_exact_record_gives_back_what_made_it() {
+    let file = parsed(BELT);
+    let times = times(80, 0.31);
+    let columns = exact(&file, &["x", "k*x"], &times);
+    let unknowns = vec![
+        unknown("mu", Some(0.42)),
+        unknown("fall", Some(0.8)),
+        unknown("speed", Some(0.33)),
+        unknown("x", Some(0.1)),
+    ];
+    let observables = vec![observable("x", None), observable("k*x", None)];
+    let mut request = request(file, unknowns, observables);
+    request.records.push(record(&times, columns));
+    let found = fit(&request).unwrap();
+    for (name, truth) in [("mu", 0.5), ("fall", 1.0), ("speed", 0.3), ("x", 0.2)] {
+        let off = (value(&found, name) - truth).abs();
+        assert!(off < 1e-7, "{name}: {off}, {:?}", found.end);
+    }
+    assert_ne!(found.end, LeastSquaresEnd::Evaluations);
+    let rms = found.columns[0].rms;
+    assert!(rms < 1e-8, "{rms}");
+}
+
+#[test]
+fn shipped_systems_give_back_their_parameters() {
+    for (name, unknowns) in [
+        ("belt", [("mu0", 0.9), ("vp", 1.05), ("k2", 1.1)]),
+        ("leine", [("Fs", 0.95), ("gamma", 1.1), ("vd", 1.03)]),
+    ] {
+        let file = SystemFile::open(name).unwrap();
+        let of = |name: &str| {
+            let known = file.parameters.iter().find(|one| one.name == name);
+            known.map(|one| one.value)
+        };
+        let known: Vec<_> = unknowns
+            .iter()
+            .filter_map(|(n, f)| Some((*n, *f, of(n)?)))
+            .collect();
+        if known.is_empty() {
+            continue;
+        }
+        let times = times(60, 0.1);
+        let columns = exact(&file, &["x"], &times);
+        let sought = known
+            .iter()
+            .map(|(n, f, value)| unknown(n, Some(f * value)));
+        let mut request = request(file.clone(), sought.collect(), vec![observable("x", None)]);
+        request.records.push(record(&times, columns));
+        let found = fit(&request).unwrap_or_else(|error| panic!("{name}: {error}"));
+        for (n, _, truth) in known {
+            let off = (value(&found, n) - truth).abs();
+            assert!(off < 1e-6, "{name}, {n}: {off}, {:?}", found.end);
+        }
+    }
+}
+
+#[test]
+fn standard_errors_are_the_scatter_of_many_fits() {
+    const DRAWS: u64 = 200;
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let exact = exact(&file, &["x"], &times);
+    let names = ["mu", "fall", "x"];
+    let one = |seed: u64| {
+        let unknowns = names.iter().map(|name| unknown(name, None)).collect();
+        let mut request = request(file.clone(), unknowns, vec![observable("x", None)]);
+        request.options = stickslip::Options::tol(1e-9);
+        request
+            .records
+            .push(record(&times, noisy(&exact, 2e-3, seed)));
+        fit(&request).unwrap_or_else(|error| panic!("{seed}: {error}"))
+    };
+    let all: Vec<Fit> = (0..DRAWS).map(one).collect();
+    for (k, truth) in [0.5, 1.0, 0.2].into_iter().enumerate() {
+        let count = DRAWS as f64;
+        let values = all.iter().map(|fit| fit.values[k].value);
+        let mean = values.clone().sum::<f64>() / count;
+        let scatter = values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (count - 1.0);
+        let errors = all.iter().map(|fit| fit.values[k].std_error.unwrap());
+        let square = errors.map(|e| e * e).sum::<f64>() / count;
+        // The relative error of a variance from n draws is √(2/n); four of them.
+        let ratio = scatter / square;
+        let allowed = 4.0 * (2.0 / count).sqrt();
+        assert!((ratio - 1.0).abs() < allowed, "{}: {ratio}", names[k]);
+        assert!((mean - truth).abs() < 4.0 * (square / count).sqrt() + 0.05 * square.sqrt());
+        let inside = all.iter().filter(|fit| {
+            let (low, high) = fit.values[k].interval.unwrap();
+            (low..=high).contains(&truth)
+        });
+        // Of 200 intervals at 95 % between 177 and 199 contain the truth, but for one in 1000.
+        let inside = inside.count();
+        assert!((177..=199).contains(&inside), "{}: {inside}", names[k]);
+    }
+    // Residuals of a true model have no remainder: 1 % of alarms, of which nine are too many.
+    let alarms = all
+        .iter()
+        .filter(|fit| fit.columns[0].runs.unwrap().is_systematic());
+    assert!(alarms.count() < 9);
+}
+
+#[test]
+fn what_the_data_do_not_determine_is_named() {
+    // Stiffness and a gain: with both, and a friction and speed of the same scale, x only fixes
+    // their ratios.
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let columns = exact(&file, &["x"], &times);
+    let unknowns = vec![
+        unknown("gain", None),
+        unknown("unit", None),
+        unknown("mu", None),
+    ];
+    let mut request = request(file, unknowns, vec![observable("gain*unit*x", None)]);
+    request.extra = vec![("gain".to_owned(), 0.5), ("unit".to_owned(), 2.0)];
+    request
+        .records
+        .push(record(&times, noisy(&columns, 1e-3, 3)));
+    let found = fit(&request).unwrap();
+    let [direction] = &found.uncertainty.undetermined[..] else {
+        panic!("{:?}", found.uncertainty.undetermined);
+    };
+    let of = |name: &str| {
+        direction
+            .iter()
+            .find(|(own, _)| own == name)
+            .map(|one| one.1)
+    };
+    // A larger gain is a smaller unit.
+    assert!((of("gain").unwrap() + of("unit").unwrap()).abs() < 1e-6);
+    assert_eq!(of("mu"), None);
+    let error = |k: usize| found.values[k].std_error;
+    assert!(error(0).is_none() && error(1).is_none() && error(2).is_some());
+    assert!((value(&found, "mu") - 0.5).abs() < 5.0 * error(2).unwrap());
+}
+
+#[test]
+fn several_records_share_parameters_and_have_starts_of_their_own() {
+    let file = parsed(BELT);
+    let times = times(50, 0.3);
+    let with = |speed: f64, x: f64| {
+        let text = BELT.replace("speed = 0.3", &format!("speed = {speed}"));
+        exact(
+            &parsed(&text.replace("x = 0.2", &format!("x = {x}"))),
+            &["x"],
+            &times,
+        )
+    };
+    let unknowns = vec![
+        unknown("mu", Some(0.45)),
+        unknown("x", Some(0.15)),
+        Unknown {
+            each: true,
+            ..unknown("off", Some(0.0))
+        },
+    ];
+    let mut request = request(file, unknowns, vec![observable("x + off", Some(1e-3))]);
+    request.extra = vec![("off".to_owned(), 0.0)];
+    for (speed, x, off) in [(0.3, 0.2, 0.05), (0.5, 0.1, -0.02)] {
+        let mut columns = with(speed, x);
+        columns[0].iter_mut().for_each(|x| *x += off);
+        // A missing value is no zero.
+        columns[0][7] = f64::NAN;
+        let mut record = record(&times, columns);
+        record.set = vec![("speed".to_owned(), speed)];
+        request.records.push(record);
+    }
+    let found = fit(&request).unwrap();
+    for (name, truth) in [
+        ("mu", 0.5),
+        ("x@1", 0.2),
+        ("x@2", 0.1),
+        ("off@1", 0.05),
+        ("off@2", -0.02),
+    ] {
+        let off = (value(&found, name) - truth).abs();
+        assert!(off < 1e-7, "{name}: {off}");
+    }
+    assert_eq!(found.columns[0].count, 49);
+}
+
+#[test]
+fn bounds_hold_and_robust_losses_pass_over_outliers() {
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let columns = exact(&file, &["x"], &times);
+    let mut bounded = request(
+        file.clone(),
+        vec![unknown("mu", Some(0.4))],
+        vec![observable("x", None)],
+    );
+    bounded.unknowns[0].bounds = (0.1, 0.45);
+    bounded.records.push(record(&times, columns.clone()));
+    let found = fit(&bounded).unwrap();
+    assert!(found.values[0].is_at_bound && found.values[0].value == 0.45);
+    assert!(found.values[0].std_error.is_none());
+    // The remainder of a value that is held off is systematic.
+    assert!(found.columns[0].runs.unwrap().is_systematic());
+
+    let mut with_outliers = noisy(&columns, 1e-3, 8);
+    for k in [9, 22, 41] {
+        with_outliers[0][k] += 0.3;
+    }
+    let mut robust = request(
+        file,
+        vec![unknown("mu", Some(0.45))],
+        vec![observable("x", None)],
+    );
+    robust.records.push(record(&times, with_outliers));
+    let squares = fit(&robust).unwrap();
+    for loss in [Loss::Huber(1.5), Loss::SoftL1(1.0)] {
+        robust.loss = loss;
+        let found = fit(&robust).unwrap();
+        let off = |fit: &Fit| (fit.values[0].value - 0.5).abs();
+        assert!(
+            off(&found) < 4.0 * found.values[0].std_error.unwrap(),
+            "{loss:?}"
+        );
+        assert!(found.values[0].std_error < squares.values[0].std_error);
+        assert!(
+            off(&found) < 0.2 * off(&squares),
+            "{} {}",
+            off(&found),
+            off(&squares)
+        );
+    }
+}
+
+#[test]
+fn a_search_finds_the_minimum_among_several() {
+    // Of a linear oscillator the frequency has many minima.
+    let file = parsed(
+        "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nw = 2\n[field]\nx = \"v\"\n\
+         v = \"-w^2*x\"\n[start]\nx = 1\nv = 0\n",
+    );
+    let times = times(40, 0.25);
+    let columns = exact(&file, &["x"], &times);
+    let mut request = request(
+        file,
+        vec![unknown("w", Some(6.0))],
+        vec![observable("x", Some(0.1))],
+    );
+    request.unknowns[0].bounds = (0.5, 7.0);
+    request.records.push(record(&times, columns));
+    let local = fit(&request).unwrap();
+    assert!((value(&local, "w") - 2.0).abs() > 0.1);
+    request.search = 40;
+    let found = fit(&request).unwrap();
+    assert!((value(&found, "w") - 2.0).abs() < 1e-8);
+    assert!(!found.others.is_empty());
+    assert!(found.others.iter().all(|other| other.cost > found.cost));
+}
+
+#[test]
+fn a_static_limit_that_may_not_be_reached_has_no_standard_error() {
+    // A pull that ends at 1: a block of static friction 1 - 1e-4 slips, one of 1 + 1e-4 does not.
+    let file = parsed(
+        "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nlimit = 0.9999\n\
+         slip = 0.5\n[contacts.floor]\nboundary = \"v\"\nfriction = \"slip\"\nstatic = \"limit\"\n\
+         [field]\nx = \"v\"\nv = \"sin(t) - friction(floor)\"\n[start]\nx = 0\nv = 0\n",
+    );
+    let times = times(40, 0.07);
+    let columns = noisy(&exact(&file, &["x"], &times), 0.02, 4);
+    let mut request = request(
+        file,
+        vec![unknown("limit", None)],
+        vec![observable("x", None)],
+    );
+    request.records.push(record(&times, columns));
+    let found = fit(&request).unwrap();
+    let why = found.uncertainty.none.unwrap();
+    assert!(why.contains("jumps"), "{why}");
+    assert!(found.values[0].std_error.is_none());
+}
+
+#[test]
+fn what_cannot_be_fitted_is_refused_with_the_remedy() {
+    let file = parsed(BELT);
+    let times = times(20, 0.25);
+    let columns = exact(&file, &["x"], &times);
+    let base = || {
+        let mut base = request(
+            file.clone(),
+            vec![unknown("mu", None)],
+            vec![observable("x", None)],
+        );
+        base.records.push(record(&times, columns.clone()));
+        base
+    };
+    type Change = fn(&mut FitRequest);
+    let cases: [(Change, &str); 12] = [
+        (
+            |r| r.unknowns[0].name = "nu".into(),
+            "`nu` is neither a parameter nor a state",
+        ),
+        (
+            |r| r.unknowns[0].name = "idle".into(),
+            "`idle` has no effect on what is observed",
+        ),
+        (|r| r.unknowns[0].bounds = (0.6, 1.0), "outside its bounds"),
+        (|r| r.unknowns[0].bounds = (1.0, 0.6), "contain nothing"),
+        (
+            |r| r.records[0].times[3] = 0.1,
+            "in row 4, does not come after",
+        ),
+        (
+            |r| r.records[0].times[0] = -1.0,
+            "is before the start of the run at 0",
+        ),
+        (|r| r.records[0].columns[0][2..].fill(f64::NAN), "2 values"),
+        (
+            |r| r.records[0].columns[0].fill(f64::NAN),
+            "there are no data",
+        ),
+        (
+            |r| r.observables[0].formula = "y".into(),
+            "unknown name `y`",
+        ),
+        (|r| r.observables[0].sigma = Some(0.0), "must be positive"),
+        (|r| r.search = 5, "has no bounds to search within"),
+        (
+            |r| r.extra = vec![("x".into(), 1.0)],
+            "`x` is the name of a state already",
+        ),
+    ];
+    for (change, said) in cases {
+        let mut request = base();
+        if said == "2 values" {
+            request.unknowns.push(unknown("x", None));
+        }
+        change(&mut request);
+        let words = refused(&request);
+        assert!(words.contains(said), "{said}: {words}");
+    }
+    // A run that escapes before the data.
+    let escaping = parsed(
+        "name = \"case\"\n[states]\nx = \"\"\n[parameters]\na = 1\n[field]\nx = \"a*x*x\"\n\
+         [start]\nx = 1\n",
+    );
+    let mut request = request(
+        escaping,
+        vec![unknown("a", None)],
+        vec![observable("x", None)],
+    );
+    request.records.push(record(&times, columns.clone()));
+    assert!(matches!(fit(&request), Err(FitError::Start { .. })));
+    // A value from which the run reaches the data is found past those that fail.
+    let table = parsed(&BELT.replace(
+        "[contacts.belt]",
+        "[inputs.push]\nshape = \"table\"\ntimes = [0, 1, 2]\nvalues = [0, 1, 0]\n[contacts.belt]",
+    ).replace("-k*x", "-k*x + push"));
+    let mut request = base();
+    request.file = table;
+    assert!(refused(&request).contains("leaves the table of an input, which covers 0 to 2"));
+}

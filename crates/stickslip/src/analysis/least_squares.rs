@@ -1,0 +1,449 @@
+//! Nonlinear least squares within bounds, for residuals that are smooth in pieces.
+
+use crate::dynamics::{Matrix, Vector};
+use nalgebra::{QR, SVD};
+
+/// Least part of the predicted decrease with which a step is taken (Moré, as in MINPACK).
+const LEAST_RATIO: f64 = 1e-4;
+
+/// Refused steps in a row into another piece after which the change is located. It is chosen: a
+/// shorter step often stays on this side of it.
+const REFUSED_BEFORE_HOLDING: u32 = 2;
+
+/// Most times that a step is held to a change. It is chosen: a minimum on a change would be held
+/// for ever.
+const MOST_HOLDS: u32 = 8;
+
+/// Halvings of a step that is held: a billionth of it is left.
+const HALVINGS: u32 = 30;
+
+/// Part of the change along a whole step that is left where residuals are continuous. After
+/// [`HALVINGS`] a square root has 3e-5 of it.
+const JUMP: f64 = 1e-3;
+
+/// Residuals at a point, and their derivatives with one column for each variable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Residuals<P> {
+    /// Residuals, in units of their standard deviation.
+    pub values: Vector,
+    /// Derivatives. A NaN makes the point one that cannot be used.
+    pub jacobian: Matrix,
+    /// The piece on which the residuals are smooth: equal on the same one.
+    pub piece: P,
+}
+
+/// What large residuals weigh; a scale is in units of the standard deviation.
+///
+/// The cost of a residual `r` is `c² ρ((r/c)²)/2` with the scale `c` (Triggs et al., *Vision
+/// Algorithms*, 1999, 298).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Loss {
+    /// Squares: `ρ(z) = z`.
+    #[default]
+    Squares,
+    /// Squares of small residuals, sizes of large ones: `ρ(z) = 2 (√(1 + z) − 1)`.
+    SoftL1(f64),
+    /// Squares up to the scale, sizes above it (Huber).
+    Huber(f64),
+}
+
+impl Loss {
+    /// The cost of a residual, and the factors of it and of its derivatives in the equivalent
+    /// problem of squares.
+    pub fn of(self, residual: f64) -> (f64, f64, f64) {
+        let (scale, z) = match self {
+            Loss::Squares => return (0.5 * residual * residual, 1.0, 1.0),
+            Loss::SoftL1(scale) | Loss::Huber(scale) => (scale, (residual / scale).powi(2)),
+        };
+        let (rho, first, second) = match self {
+            Loss::Huber(_) if z <= 1.0 => (z, 1.0, 0.0),
+            Loss::Huber(_) => (2.0 * z.sqrt() - 1.0, 1.0 / z.sqrt(), -0.5 / (z * z.sqrt())),
+            _ => {
+                let t = 1.0 + z;
+                (
+                    2.0 * z / (1.0 + t.sqrt()),
+                    1.0 / t.sqrt(),
+                    -0.5 / (t * t.sqrt()),
+                )
+            }
+        };
+        let factor = (first + 2.0 * second * z).max(f64::EPSILON).sqrt();
+        (0.5 * scale * scale * rho, first / factor, factor)
+    }
+}
+
+/// Settings of [`least_squares`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeastSquaresSettings {
+    /// Lower and upper bound of each variable; infinite where there is none.
+    pub bounds: Vec<(f64, f64)>,
+    /// Weight of large residuals.
+    pub loss: Loss,
+    /// Relative decrease of the cost, relative step, and cosine between residuals and derivatives
+    /// below which the search ends.
+    pub tolerance: f64,
+    /// Most evaluations.
+    pub most_evaluations: usize,
+}
+
+/// Why the search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeastSquaresEnd {
+    /// The cost no longer decreases.
+    Cost,
+    /// The steps have become small.
+    Step,
+    /// The residuals are orthogonal to their derivatives, but for bounds.
+    Gradient,
+    /// The minimum lies where the piece changes.
+    Change,
+    /// The evaluations were used up.
+    Evaluations,
+}
+
+/// Result of [`least_squares`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeastSquares<P> {
+    /// The variables.
+    pub x: Vector,
+    /// Residuals there.
+    pub at: Residuals<P>,
+    /// Half the weighted sum of squares.
+    pub cost: f64,
+    /// Why the search ended.
+    pub end: LeastSquaresEnd,
+    /// Steps taken.
+    pub steps: usize,
+    /// Evaluations, failed ones included.
+    pub evaluations: usize,
+    /// Evaluations that failed, each of which shortened a step.
+    pub failures: usize,
+    /// Steps that led into another piece.
+    pub crossings: usize,
+    /// Changes of the piece at which the residuals jump.
+    pub jumps: usize,
+}
+
+/// Minimises half the sum of squares of residuals within bounds, from a point within them.
+///
+/// Gauss–Newton steps within a trust region, whose shape follows the derivatives (Moré, *Numerical
+/// Analysis*, Lecture Notes in Mathematics 630 (1978) 105). The subproblem is solved exactly by
+/// singular values. A variable on its bound is fixed while the gradient leads out; steps end on
+/// bounds. An evaluation that fails shortens the step.
+///
+/// Where the residuals are smooth in pieces, a step into another piece is taken if it decreases the
+/// cost. If it is refused again and again, the change is located, and the search goes on beyond it,
+/// or before it where that is lower.
+///
+/// # Errors
+/// That of the first evaluation.
+pub fn least_squares<P: PartialEq, E>(
+    x: &Vector,
+    settings: &LeastSquaresSettings,
+    mut at: impl FnMut(&Vector) -> Result<Residuals<P>, E>,
+) -> Result<LeastSquares<P>, E> {
+    let mut search = Search {
+        evaluations: 0,
+        failures: 0,
+        settings,
+        at: |x: &Vector| at(x),
+    };
+    search.evaluations = 1;
+    let here = Point::of(x.clone(), (search.at)(x)?, settings.loss);
+    Ok(search.from(here))
+}
+
+/// A point, with residuals and derivatives of the equivalent problem of squares.
+struct Point<P> {
+    x: Vector,
+    at: Residuals<P>,
+    cost: f64,
+    values: Vector,
+    jacobian: Matrix,
+}
+
+impl<P> Point<P> {
+    fn of(x: Vector, at: Residuals<P>, loss: Loss) -> Self {
+        let (mut values, mut jacobian) = (at.values.clone(), at.jacobian.clone());
+        let mut cost = 0.0;
+        for (k, value) in values.iter_mut().enumerate() {
+            let (part, of_value, of_slope) = loss.of(*value);
+            cost += part;
+            *value *= of_value;
+            if of_slope != 1.0 {
+                jacobian.row_mut(k).scale_mut(of_slope);
+            }
+        }
+        Point {
+            x,
+            at,
+            cost,
+            values,
+            jacobian,
+        }
+    }
+
+    fn is_usable(&self) -> bool {
+        let all = self.jacobian.iter().chain(&self.values);
+        self.cost.is_finite() && all.into_iter().all(|value| value.is_finite())
+    }
+}
+
+struct Search<'s, F> {
+    settings: &'s LeastSquaresSettings,
+    at: F,
+    evaluations: usize,
+    failures: usize,
+}
+
+/// The model of the cost around a point: singular values of the scaled derivatives of the variables
+/// that can move.
+struct Model {
+    free: Vec<usize>,
+    singular: Vector,
+    /// Residuals along the left singular vectors.
+    along: Vector,
+    right: Matrix,
+}
+
+impl Model {
+    fn of<P>(here: &Point<P>, scale: &Vector, bounds: &[(f64, f64)]) -> Self {
+        let slope = here.jacobian.tr_mul(&here.values);
+        let is_free = |&k: &usize| {
+            let (low, high) = bounds[k];
+            !(here.x[k] <= low && slope[k] > 0.0 || here.x[k] >= high && slope[k] < 0.0)
+        };
+        let free: Vec<usize> = (0..here.x.len()).filter(is_free).collect();
+        let columns: Vec<Vector> = free
+            .iter()
+            .map(|&k| here.jacobian.column(k) / scale[k])
+            .collect();
+        if columns.is_empty() {
+            let (singular, along) = (Vector::zeros(0), Vector::zeros(0));
+            let right = Matrix::zeros(0, 0);
+            return Model {
+                free,
+                singular,
+                along,
+                right,
+            };
+        }
+        let mut values = here.values.clone();
+        let qr = QR::new(Matrix::from_columns(&columns));
+        qr.q_tr_mul(&mut values);
+        let r = qr.r();
+        let svd = SVD::new(r, true, true);
+        let none = || Matrix::zeros(0, 0);
+        let u = svd.u.unwrap_or_else(none);
+        let along = u.tr_mul(&values.rows(0, u.nrows()));
+        let right = svd.v_t.unwrap_or_else(none).transpose();
+        Model {
+            free,
+            singular: svd.singular_values,
+            along,
+            right,
+        }
+    }
+
+    /// Components of the step of a damping, along the right singular vectors.
+    fn components(&self, damping: f64) -> Vector {
+        // Below rounding, a singular value says nothing.
+        let least = self.singular.amax() * f64::EPSILON * self.singular.len() as f64;
+        let of = |s: f64, w: f64| {
+            if s <= least {
+                0.0
+            } else {
+                -s * w / (s * s + damping)
+            }
+        };
+        self.singular.zip_map(&self.along, of)
+    }
+
+    /// The step in the scaled variables that minimises the model within a radius.
+    fn step(&self, radius: f64) -> Vector {
+        let mut damping = 0.0;
+        let mut components = self.components(damping);
+        // Newton's iteration for the reciprocal of the length, which is nearly linear in the
+        // damping, from below: it rises to the solution.
+        for _ in 0..50 {
+            let length = components.norm();
+            if length <= radius * (1.0 + 1e-3) {
+                break;
+            }
+            let slopes = components.zip_map(&self.singular, |p, s| {
+                if p == 0.0 {
+                    0.0
+                } else {
+                    p * p / (s * s + damping)
+                }
+            });
+            let slope = slopes.sum() / length;
+            damping += (length - radius) / radius * length / slope;
+            components = self.components(damping);
+        }
+        &self.right * components
+    }
+}
+
+impl<F> Search<'_, F> {
+    fn evaluated<P, E>(&mut self, x: Vector) -> Option<Point<P>>
+    where
+        F: FnMut(&Vector) -> Result<Residuals<P>, E>,
+    {
+        self.evaluations += 1;
+        let at = (self.at)(&x);
+        let point = at
+            .ok()
+            .map(|at| Point::of(x, at, self.settings.loss))
+            .filter(Point::is_usable);
+        self.failures += usize::from(point.is_none());
+        point
+    }
+
+    fn within(&self, x: Vector) -> Vector {
+        let mut x = x;
+        for (x, (low, high)) in x.iter_mut().zip(&self.settings.bounds) {
+            *x = x.clamp(*low, *high);
+        }
+        x
+    }
+
+    fn from<P: PartialEq, E>(&mut self, mut here: Point<P>) -> LeastSquares<P>
+    where
+        F: FnMut(&Vector) -> Result<Residuals<P>, E>,
+    {
+        let tolerance = self.settings.tolerance;
+        let norms =
+            |of: &Matrix| Vector::from_iterator(of.ncols(), of.column_iter().map(|c| c.norm()));
+        let mut scale = norms(&here.jacobian).map(|norm| if norm > 0.0 { norm } else { 1.0 });
+        let mut radius = match here.x.component_mul(&scale).norm() {
+            0.0 => 1.0,
+            size => size,
+        };
+        let (mut steps, mut crossings, mut jumps, mut holds) = (0, 0, 0, 0);
+        let end = 'search: loop {
+            let model = Model::of(&here, &scale, &self.settings.bounds);
+            let sizes = norms(&here.jacobian);
+            let slope = here.jacobian.tr_mul(&here.values);
+            let size = here.values.norm();
+            let is_orthogonal = |&k: &usize| slope[k].abs() <= tolerance * sizes[k] * size;
+            if model.free.iter().all(is_orthogonal) {
+                break LeastSquaresEnd::Gradient;
+            }
+            let mut refused = 0;
+            loop {
+                if self.evaluations >= self.settings.most_evaluations {
+                    break 'search LeastSquaresEnd::Evaluations;
+                }
+                let scaled = model.step(radius);
+                let mut x = here.x.clone();
+                for (&k, step) in model.free.iter().zip(&scaled) {
+                    x[k] += step / scale[k];
+                }
+                let x = self.within(x);
+                let step = &x - &here.x;
+                let length = step.component_mul(&scale).norm();
+                if length <= tolerance * here.x.component_mul(&scale).norm() || length == 0.0 {
+                    break 'search LeastSquaresEnd::Step;
+                }
+                let predicted = 0.5 * here.values.norm_squared()
+                    - 0.5 * (&here.values + &here.jacobian * &step).norm_squared();
+                if predicted <= 0.0 {
+                    radius = 0.25 * length;
+                    continue;
+                }
+                let Some(there) = self.evaluated(x) else {
+                    radius = 0.25 * length;
+                    continue;
+                };
+                let decrease = here.cost - there.cost;
+                let ratio = decrease / predicted;
+                let is_crossing = there.at.piece != here.at.piece;
+                let is_flat =
+                    decrease.abs() <= tolerance * here.cost && predicted <= tolerance * here.cost;
+                if ratio < 0.25 {
+                    radius = 0.25 * length;
+                } else if ratio > 0.75 {
+                    radius = radius.max(2.0 * length);
+                }
+                if ratio >= LEAST_RATIO {
+                    steps += 1;
+                    crossings += usize::from(is_crossing);
+                    here = there;
+                    if is_flat || here.cost == 0.0 {
+                        break 'search LeastSquaresEnd::Cost;
+                    }
+                    break;
+                }
+                if is_flat {
+                    break 'search LeastSquaresEnd::Cost;
+                }
+                refused += 1;
+                if !is_crossing || refused <= REFUSED_BEFORE_HOLDING {
+                    continue;
+                }
+                if holds == MOST_HOLDS {
+                    break 'search LeastSquaresEnd::Change;
+                }
+                holds += 1;
+                let along = (&there.values - &here.values).norm();
+                let (before, beyond) = self.held(&here, there);
+                let rest = before.as_ref().unwrap_or(&here);
+                let is_jump = (&beyond.values - &rest.values).norm() > JUMP * along;
+                jumps += usize::from(is_jump);
+                // Beyond a continuous change the other side's derivatives are known.
+                let is_lower = beyond.cost < rest.cost || !is_jump;
+                let next = if is_lower { Some(beyond) } else { before };
+                if let Some(next) = next.filter(|next| next.cost < here.cost) {
+                    crossings += usize::from(is_lower);
+                    steps += 1;
+                    here = next;
+                    radius = length;
+                    break;
+                }
+            }
+            let now = norms(&here.jacobian);
+            scale = scale.zip_map(&now, f64::max);
+        };
+        LeastSquares {
+            x: here.x,
+            at: here.at,
+            cost: here.cost,
+            end,
+            steps,
+            evaluations: self.evaluations,
+            failures: self.failures,
+            crossings,
+            jumps,
+        }
+    }
+
+    /// The points on both sides of the first change found on the way to a point of another piece:
+    /// none before it where the change is at the start of the way.
+    fn held<P: PartialEq, E>(
+        &mut self,
+        here: &Point<P>,
+        there: Point<P>,
+    ) -> (Option<Point<P>>, Point<P>)
+    where
+        F: FnMut(&Vector) -> Result<Residuals<P>, E>,
+    {
+        let way = &there.x - &here.x;
+        let (mut low, mut high) = (0.0, 1.0);
+        let (mut before, mut beyond) = (None, there);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.evaluated(&here.x + &way * middle) {
+                Some(point) if point.at.piece == here.at.piece => {
+                    (low, before) = (middle, Some(point));
+                }
+                Some(point) => (high, beyond) = (middle, point),
+                None => high = middle,
+            }
+        }
+        (before, beyond)
+    }
+}
+
+#[cfg(test)]
+mod tests;

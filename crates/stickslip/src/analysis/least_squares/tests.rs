@@ -1,0 +1,297 @@
+//! Minima of MINPACK's standard problems (Moré, Garbow and Hillstrom, *ACM Trans. Math. Softw.* 7
+//! (1981) 17), and what the trust region does at bounds, failures and changes.
+
+use std::convert::Infallible;
+
+use super::*;
+use crate::Scalar;
+use crate::math::{atan2, cos, exp, sin};
+use crate::scalar::Dual;
+
+fn unbounded(count: usize) -> LeastSquaresSettings {
+    LeastSquaresSettings {
+        bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); count],
+        loss: Loss::Squares,
+        tolerance: 1e-13,
+        most_evaluations: 2000,
+    }
+}
+
+/// Residuals with derivatives on dual numbers.
+fn on_duals<'f>(
+    of: impl Fn(&[Dual<f64>]) -> Vec<Dual<f64>> + 'f,
+) -> impl Fn(&Vector) -> Result<Residuals<()>, Infallible> + 'f {
+    move |x| {
+        let column = |k: usize| {
+            let seeded: Vec<Dual<f64>> = x
+                .iter()
+                .enumerate()
+                .map(|(j, &x)| Dual::new(x, if j == k { 1.0 } else { 0.0 }))
+                .collect();
+            of(&seeded)
+        };
+        let columns: Vec<Vec<Dual<f64>>> = (0..x.len()).map(column).collect();
+        let rows = columns[0].len();
+        Ok(Residuals {
+            values: Vector::from_fn(rows, |i, _| columns[0][i].re),
+            jacobian: Matrix::from_fn(rows, x.len(), |i, k| columns[k][i].eps),
+            piece: (),
+        })
+    }
+}
+
+type Duals<'d> = &'d dyn Fn(&[Dual<f64>]) -> Vec<Dual<f64>>;
+
+/// Osborne's first data.
+const OSBORNE_1: [f64; 33] = [
+    0.844, 0.908, 0.932, 0.936, 0.925, 0.908, 0.881, 0.850, 0.818, 0.784, 0.751, 0.718, 0.685,
+    0.658, 0.628, 0.603, 0.580, 0.558, 0.538, 0.522, 0.506, 0.490, 0.478, 0.467, 0.457, 0.448,
+    0.438, 0.431, 0.424, 0.420, 0.414, 0.411, 0.406,
+];
+
+#[test]
+fn standard_problems_have_their_minima() {
+    let c = Dual::constant;
+    let rosenbrock: Duals<'_> = &|x| vec![(x[1] - x[0] * x[0]) * 10.0, c(1.0) - x[0]];
+    let powell: Duals<'_> = &|x| {
+        let (b, d) = (x[1] - x[2] * 2.0, x[0] - x[3]);
+        vec![
+            x[0] + x[1] * 10.0,
+            (x[2] - x[3]) * 5.0_f64.sqrt(),
+            b * b,
+            d * d * 10.0_f64.sqrt(),
+        ]
+    };
+    let helical: Duals<'_> = &|x| {
+        let r2 = x[0] * x[0] + x[1] * x[1];
+        // The angle in turns, continued over the negative half plane.
+        let turn = 2.0 * std::f64::consts::PI;
+        let angle = Dual::new(
+            atan2(x[1].re, x[0].re) / turn,
+            (x[1].eps * x[0].re - x[0].eps * x[1].re) / (r2.re * turn),
+        );
+        let angle = if x[0].re < 0.0 && x[1].re < 0.0 {
+            angle + 1.0
+        } else {
+            angle
+        };
+        vec![(x[2] - angle * 10.0) * 10.0, (r2.sqrt() - 1.0) * 10.0, x[2]]
+    };
+    let box_3d: Duals<'_> = &|x| {
+        let at = |i: usize| {
+            let t = 0.1 * (i + 1) as f64;
+            (x[0] * -t).exp() - (x[1] * -t).exp() - x[2] * (exp(-t) - exp(-10.0 * t))
+        };
+        (0..10).map(at).collect()
+    };
+    let brown_dennis: Duals<'_> = &|x| {
+        let at = |i: usize| {
+            let t = (i + 1) as f64 / 5.0;
+            let (a, b) = (x[0] + x[1] * t - exp(t), x[2] + x[3] * sin(t) - cos(t));
+            a * a + b * b
+        };
+        (0..20).map(at).collect()
+    };
+    let osborne: Duals<'_> = &|x| {
+        let at = |(i, y): (usize, &f64)| {
+            let t = 10.0 * i as f64;
+            c(*y) - (x[0] + x[1] * (x[3] * -t).exp() + x[2] * (x[4] * -t).exp())
+        };
+        OSBORNE_1.iter().enumerate().map(at).collect()
+    };
+    let freudenstein: Duals<'_> = &|x| {
+        let y = x[1];
+        vec![
+            x[0] - 13.0 + ((c(5.0) - y) * y - 2.0) * y,
+            x[0] - 29.0 + ((y + 1.0) * y - 14.0) * y,
+        ]
+    };
+    let bard_data = [
+        0.14, 0.18, 0.22, 0.25, 0.29, 0.32, 0.35, 0.39, 0.37, 0.58, 0.73, 0.96, 1.34, 2.10, 4.39,
+    ];
+    let bard: Duals<'_> = &|x| {
+        let at = |(i, y): (usize, &f64)| {
+            let (u, v) = ((i + 1) as f64, (15 - i) as f64);
+            c(*y) - (x[0] + c(u) / (x[1] * v + x[2] * u.min(v)))
+        };
+        bard_data.iter().enumerate().map(at).collect()
+    };
+    let kowalik_data = [
+        (0.1957, 4.0),
+        (0.1947, 2.0),
+        (0.1735, 1.0),
+        (0.1600, 0.5),
+        (0.0844, 0.25),
+        (0.0627, 0.167),
+        (0.0456, 0.125),
+        (0.0342, 0.1),
+        (0.0323, 0.0833),
+        (0.0235, 0.0714),
+        (0.0246, 0.0625),
+    ];
+    let kowalik: Duals<'_> = &|x| {
+        let at =
+            |&(y, u): &(f64, f64)| c(y) - x[0] * (x[1] * u + u * u) / (x[2] * u + x[3] + u * u);
+        kowalik_data.iter().map(at).collect()
+    };
+    // Problem, start, sum of squares at the minimum, and the point where the source gives it.
+    type Case<'c> = (&'c str, Duals<'c>, Vec<f64>, f64, Option<Vec<f64>>);
+    let cases: [Case<'_>; 9] = [
+        (
+            "Rosenbrock",
+            rosenbrock,
+            vec![-1.2, 1.0],
+            0.0,
+            Some(vec![1.0, 1.0]),
+        ),
+        ("Powell", powell, vec![3.0, -1.0, 0.0, 1.0], 0.0, None),
+        (
+            "helical valley",
+            helical,
+            vec![-1.0, 0.0, 0.0],
+            0.0,
+            Some(vec![1.0, 0.0, 0.0]),
+        ),
+        ("box", box_3d, vec![0.0, 10.0, 20.0], 0.0, None),
+        (
+            "Brown and Dennis",
+            brown_dennis,
+            vec![25.0, 5.0, -5.0, -1.0],
+            85822.2016,
+            None,
+        ),
+        (
+            "Osborne 1",
+            osborne,
+            vec![0.5, 1.5, -1.0, 0.01, 0.02],
+            5.46489e-5,
+            None,
+        ),
+        (
+            "Freudenstein and Roth",
+            freudenstein,
+            vec![0.5, -2.0],
+            48.9842,
+            Some(vec![11.4128, -0.896805]),
+        ),
+        ("Bard", bard, vec![1.0, 1.0, 1.0], 8.21487e-3, None),
+        (
+            "Kowalik and Osborne",
+            kowalik,
+            vec![0.25, 0.39, 0.415, 0.39],
+            3.07505e-4,
+            None,
+        ),
+    ];
+    for (name, problem, start, sum, point) in cases {
+        let start = Vector::from_vec(start);
+        let Ok(found) = least_squares(&start, &unbounded(start.len()), on_duals(problem));
+        let own = 2.0 * found.cost;
+        // The source has six digits.
+        let close = (own - sum).abs() <= 5e-6 * sum + 1e-20;
+        assert!(close, "{name}: {own} against {sum}, {:?}", found.end);
+        assert_ne!(found.end, LeastSquaresEnd::Evaluations, "{name}");
+        if let Some(point) = point {
+            let off = (&found.x - Vector::from_vec(point)).amax();
+            assert!(off < 1e-4, "{name}: {}", found.x);
+        }
+    }
+}
+
+#[test]
+fn a_minimum_outside_the_bounds_is_found_on_them() {
+    // Rosenbrock's with x ≤ 0.8: then y = x² is the rest's minimum.
+    let of = |x: &[Dual<f64>]| vec![(x[1] - x[0] * x[0]) * 10.0, Dual::constant(1.0) - x[0]];
+    let mut settings = unbounded(2);
+    settings.bounds[0].1 = 0.8;
+    let start = Vector::from_vec(vec![-1.2, 1.0]);
+    let Ok(found) = least_squares(&start, &settings, on_duals(of));
+    assert_eq!(found.x[0], 0.8);
+    assert!((found.x[1] - 0.64).abs() < 1e-8, "{}", found.x);
+}
+
+#[test]
+fn robust_losses_pass_over_an_outlier() {
+    // A line through ten points, one of which is far off.
+    let of = |x: &[Dual<f64>]| -> Vec<Dual<f64>> {
+        let point = |k: usize| {
+            let t = k as f64;
+            let y = 2.0 * t + 1.0 + if k == 7 { 50.0 } else { 0.01 * sin(t) };
+            x[0] * t + x[1] - y
+        };
+        (0..10).map(point).collect()
+    };
+    let start = Vector::from_vec(vec![0.0, 0.0]);
+    for loss in [Loss::SoftL1(0.02), Loss::Huber(0.02)] {
+        let settings = LeastSquaresSettings {
+            loss,
+            ..unbounded(2)
+        };
+        let Ok(found) = least_squares(&start, &settings, on_duals(of));
+        assert!((found.x[0] - 2.0).abs() < 0.01, "{loss:?}: {}", found.x);
+    }
+    let Ok(squares) = least_squares(&start, &unbounded(2), on_duals(of));
+    assert!((squares.x[0] - 2.0).abs() > 0.5, "{}", squares.x);
+}
+
+#[test]
+fn failures_shorten_steps_and_are_counted() {
+    // The logarithm has no value where the first step of the residual's line leads.
+    let of = |x: &Vector| match x[0] > 0.0 {
+        true => Ok(Residuals {
+            values: Vector::from_vec(vec![crate::math::ln(x[0])]),
+            jacobian: Matrix::from_element(1, 1, 1.0 / x[0]),
+            piece: (),
+        }),
+        false => Err("no logarithm"),
+    };
+    let far = Vector::from_element(1, 4.0);
+    let found = least_squares(&far, &unbounded(1), of).unwrap();
+    assert!((found.x[0] - 1.0).abs() < 1e-12);
+    assert!(found.failures > 0);
+    let none = Vector::from_element(1, -1.0);
+    assert_eq!(least_squares(&none, &unbounded(1), of), Err("no logarithm"));
+}
+
+/// Residuals of one variable in two pieces, with the change at 1.
+fn in_pieces(
+    of: impl Fn(f64) -> [f64; 4],
+) -> impl Fn(&Vector) -> Result<Residuals<bool>, Infallible> {
+    move |x| {
+        let [a, b, of_a, of_b] = of(x[0]);
+        Ok(Residuals {
+            values: Vector::from_vec(vec![a, b]),
+            jacobian: Matrix::from_column_slice(2, 1, &[of_a, of_b]),
+            piece: x[0] > 1.0,
+        })
+    }
+}
+
+#[test]
+fn a_minimum_on_a_kink_is_one_and_a_jump_is_counted() {
+    // The cost falls to 1 from both sides, at once.
+    let kink = in_pieces(|x| {
+        if x > 1.0 {
+            [1.0 + 3.0 * (x - 1.0), 0.5, 3.0, 0.0]
+        } else {
+            [2.0 - x, 0.5, -1.0, 0.0]
+        }
+    });
+    let start = Vector::from_element(1, -2.0);
+    let Ok(found) = least_squares(&start, &unbounded(1), kink);
+    assert!(
+        (found.x[0] - 1.0).abs() < 1e-6,
+        "{} {:?}",
+        found.x,
+        found.end
+    );
+    assert_eq!(found.jumps, 0);
+    // Beyond 1 the residual is 5 larger.
+    let jump = in_pieces(|x| {
+        let more = if x > 1.0 { 5.0 } else { 0.0 };
+        [3.0 - x + more, 0.5, -1.0, 0.0]
+    });
+    let Ok(found) = least_squares(&start, &unbounded(1), jump);
+    assert!(found.x[0] <= 1.0 && found.x[0] > 1.0 - 1e-6 || found.x[0] > 7.0);
+    assert!(found.jumps > 0 || found.x[0] > 7.0, "{found:?}");
+}

@@ -1,0 +1,377 @@
+"""`fit` and its results: parameters and starts from measured motion."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Literal, Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _core
+from ._arguments import Floats, Method, OptionsButMethod, array, checked, settings
+from ._errors import SolverWarning
+from ._plot import COLOURS, new_axes
+from ._results import Result, call_engine, make_result
+from ._symbols import Expression, Parameter, State, expression, number, whole
+from ._system import System
+
+#: Names of a record that are no columns.
+TIME = "t"
+
+
+@dataclass(frozen=True)
+class Record:
+    """One measured record, where it differs from the others by more than its data.
+
+    Attributes
+    ----------
+    data : mapping
+        Times under "t", and the columns, as a dict or a DataFrame. NaN is a missing value.
+    parameters : dict, optional
+        Values of parameters in this record.
+    y0 : dict, optional
+        Start values of states in this record.
+    t0 : float, optional
+        Time of the start; default as in the system, or 0.
+    """
+
+    data: Any
+    parameters: Mapping[Any, float] = field(default_factory=dict)
+    y0: Mapping[Any, float] = field(default_factory=dict)
+    t0: float | None = None
+
+
+def _name(one: Any) -> str:
+    if isinstance(one, (str, Parameter, State)):
+        return one if isinstance(one, str) else one.name
+    raise TypeError(
+        f"fit: {one!r} is neither a parameter, nor a state, nor the name of one; the start time is "
+        '"t0"'
+    )
+
+
+def _named(values: Mapping[Any, Any] | None) -> dict[str, Any]:
+    return {_name(key): value for key, value in (values or {}).items()}
+
+
+def _pairs(values: Mapping[Any, Any], what: str) -> list[tuple[str, float]]:
+    return [(name, number(value, f"{what}[{name}]")) for name, value in _named(values).items()]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FitResult(Result):
+    """A fit of parameters, starts and offsets.
+
+    Attributes
+    ----------
+    names : list of str
+        What was fitted; with several records ``x@2`` is the start value in the second.
+    x : ndarray, shape (k,)
+        The fitted values.
+    start : ndarray, shape (k,)
+        Where the search began.
+    std_errors : ndarray, shape (k,)
+        Standard errors; NaN where there is none.
+    intervals : ndarray, shape (k, 2)
+        Intervals with 95 % confidence, for a model that is linear within them.
+    at_bound : list of bool
+        Whether a value is one of its bounds.
+    covariance, correlations : ndarray, shape (k, k)
+        Of the values; NaN where there are none.
+    undetermined : list of list of (str, float)
+        Relative changes that leave the data as they are: what the data do not determine.
+    no_errors : str or None
+        Why there is no standard error at all.
+    bend : float or None
+        Distance from the linear model within a standard error, relative to the change.
+    t, data, model, residuals : list of dict of ndarray
+        For each record, its times, and by column the data, the model and data minus model.
+    rms, sigma, p_values : list of dict of float
+        For each record, by column: the size of the residuals, the standard deviation of the noise,
+        and the chance that independent noise has as unlikely an order of signs.
+    phases : list of list of (float, float, str)
+        Start, end and modes of the phases of each record.
+    cost : float
+        Half the sum of squares of the residuals over their deviations.
+    freedom : int
+        Number of values minus number of unknowns.
+    success : bool
+        Whether a minimum was reached, and how the search ended in `end`.
+    end : str
+        "cost", "step", "gradient", "change" (of phases, at the minimum) or "evaluations".
+    work : (int, int, int)
+        Steps, runs, and runs that failed.
+    changes : (int, int)
+        Steps that changed the sequence of phases, and changes at which the residuals jump.
+    others : list of (list of float, float)
+        Further minima of a search, with their costs.
+    """
+
+    names: list[str]
+    x: Floats
+    start: Floats
+    std_errors: Floats
+    intervals: Floats
+    at_bound: list[bool]
+    covariance: Floats
+    correlations: Floats
+    undetermined: list[list[tuple[str, float]]]
+    no_errors: str | None
+    bend: float | None
+    t: list[Floats]
+    data: list[dict[str, Floats]]
+    model: list[dict[str, Floats]]
+    residuals: list[dict[str, Floats]]
+    rms: list[dict[str, float]]
+    sigma: list[dict[str, float]]
+    p_values: list[dict[str, float]]
+    phases: list[list[tuple[float, float, str]]]
+    cost: float
+    freedom: int
+    success: bool
+    end: str
+    work: tuple[int, int, int]
+    changes: tuple[int, int]
+    others: list[tuple[list[float], float]]
+    system: System
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The fitted values by name."""
+        return dict(zip(self.names, self.x.tolist()))
+
+    def __getitem__(self, name: str | Parameter | State) -> float:
+        return self.values[_name(name)]
+
+    def __repr__(self) -> str:
+        width = max(map(len, self.names), default=0)
+        rows = []
+        for k, name in enumerate(self.names):
+            if math.isfinite(self.std_errors[k]):
+                low, high = self.intervals[k]
+                more = f"± {self.std_errors[k]:.2g}  (95 %: {low:.6g} to {high:.6g})"
+            else:
+                more = "(on its bound)" if self.at_bound[k] else "(no standard error)"
+            rows.append(f"  {name:{width}}  {self.x[k]:.8g} {more}")
+        for direction in self.undetermined:
+            parts = ", ".join(f"{name} by {part:+.3f}" for name, part in direction)
+            rows.append(f"  not determined: relative changes of {parts}")
+        if self.no_errors is not None:
+            rows.append(f"  no standard errors: {self.no_errors}")
+        for number, of_record in enumerate(self.p_values):
+            for name, p_value in of_record.items():
+                rms = self.rms[number][name]
+                rest = f"a systematic remainder, p = {p_value:.0e}" if p_value < 0.01 else ""
+                rows.append(f"  {name} of record {number + 1}: rms {rms:.3e} {rest}".rstrip())
+        return "\n".join([f"FitResult of {self.system.name or 'a system'}:", *rows])
+
+    def plot(self, record: int = 0, axes: Any = None) -> Any:
+        """Draws data, model and residuals of a record, with the sticks behind them.
+
+        Parameters
+        ----------
+        record : int, optional
+            Number of the record, from 0.
+        axes : sequence of Axes, optional
+            Two for each column; new ones by default.
+
+        Returns
+        -------
+        ndarray of Axes
+        """
+        columns = list(self.data[record])
+        if axes is None:
+            first = new_axes()
+            figure = first.figure
+            first.remove()
+            ratios = [2, 1] * len(columns)
+            axes = figure.subplots(2 * len(columns), 1, sharex=True, height_ratios=ratios)
+        times = self.t[record]
+        for k, name in enumerate(columns):
+            above, below = axes[2 * k], axes[2 * k + 1]
+            for begin, end, mode in self.phases[record]:
+                if "S" in mode and end > times[0]:
+                    for one in (above, below):
+                        one.axvspan(max(begin, times[0]), end, color="#fbe3c0", lw=0)
+            above.plot(times, self.data[record][name], ".", color="black", label="measured")
+            above.plot(times, self.model[record][name], color=COLOURS[0], label="fit")
+            above.set_ylabel(name)
+            above.legend(frameon=False)
+            below.plot(times, self.residuals[record][name], ".", color=COLOURS[5])
+            below.axhline(0.0, color="black", lw=0.5)
+            below.set_ylabel("residual")
+        axes[-1].set_xlabel("t")
+        return axes
+
+
+def fit(
+    system: System,
+    data: Any,
+    fit: Parameter | State | str | Sequence[Parameter | State | str],
+    observe: Mapping[str, Any],
+    *,
+    sigma: float | Mapping[str, float] | None = None,
+    bounds: Mapping[Any, tuple[float, float]] | None = None,
+    start: Mapping[Any, float] | None = None,
+    each: Sequence[Parameter | str] = (),
+    loss: Literal["squares", "soft_l1", "huber"] = "squares",
+    loss_scale: float = 1.0,
+    search: int = 0,
+    most_runs: int = 500,
+    method: Method = "taylor",
+    **options: Unpack[OptionsButMethod],
+) -> FitResult:
+    """Fits parameters, start values and offsets to measured motion, by least squares.
+
+    Derivatives are exact, through slip, stick, crossings and jumps. Steps are those of Gauss and
+    Newton within a trust region; a run that fails shortens a step.
+
+    Parameters
+    ----------
+    system : System
+        The system; its values are where the search begins.
+    data : mapping, Record, or a sequence of them
+        Times under "t" and a column for each observable: a dict, or a DataFrame. NaN is a missing
+        value. With several records parameters are shared, and starts are of each.
+    fit : sequence of Parameter, State or str
+        Parameters, states (for their start values), and "t0" for the time of the start.
+    observe : dict
+        For each column what it measures: a formula of states, inputs, time and parameters.
+        Parameters that the system does not have, as offsets, may stand here, and may be fitted.
+    sigma : float or dict, optional
+        Standard deviation of the noise, of all columns or by column. Default: estimated from the
+        residuals of each column.
+    bounds : dict, optional
+        ``(low, high)`` by what is fitted, within the ranges of the parameters.
+    start : dict, optional
+        Where the search begins. Default: the values and the start of the system.
+    each : sequence of Parameter or str, optional
+        Those of `fit` that each record has for itself.
+    loss : {"squares", "soft_l1", "huber"}, optional
+        Weight of large residuals.
+    loss_scale : float, optional
+        Residual, in standard deviations, from which it counts as large.
+    search : int, optional
+        Number of further starts within the bounds; all minima are reported.
+    most_runs : int, optional
+        Most runs of one search for a minimum.
+    method : {"taylor", "dop853"}, optional
+        The integration method.
+    **options : Options
+        Tolerances and other settings.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    ValueError
+        For data that cannot be fitted: fewer values than unknowns, times that do not rise, a
+        parameter without effect, a formula of unknown names.
+    StickslipError
+        If the run at the start of the search fails.
+    Interrupted
+        On Ctrl-C.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> x, v = ss.states("x v")
+    >>> k, = ss.parameters(k=3.0)
+    >>> spring = ss.System({x: v, v: -k * x}, start=[1, 0])
+    >>> t = np.linspace(0.1, 4, 40)
+    >>> found = ss.fit(spring, {"t": t, "x": np.cos(2 * t)}, [k], {"x": x})
+    >>> round(found["k"], 9)
+    4.0
+    """
+    made = settings({"method": method, **options})
+    core = checked(system)._core
+    given = [fit] if isinstance(fit, (str, Parameter, State)) else list(fit)
+    names = [_name(one) for one in given]
+    if not isinstance(observe, Mapping) or not observe:
+        raise TypeError('observe must be a dict of formulas by column, as {"x": x}')
+    formulas = {name: expression(one) for name, one in observe.items()}
+    extra = {
+        part.name: part.value
+        for formula in [*formulas.values(), *(one for one in given if isinstance(one, Expression))]
+        for part in formula.parts
+        if isinstance(part, Parameter) and part.name not in system.parameters
+    }
+    for formula in formulas.values():
+        system._check_symbols(formula)
+    sigmas = sigma if isinstance(sigma, Mapping) else dict.fromkeys(formulas, sigma)
+    for name in sigmas.keys() - formulas.keys():
+        raise ValueError(f"sigma has {name!r}, which is no column of observe")
+    observables = [
+        (name, one.text, None if sigmas.get(name) is None else number(sigmas[name], "sigma"))
+        for name, one in formulas.items()
+    ]
+    ends, starts = _named(bounds), _named(start)
+    own = [_name(one) for one in ([each] if isinstance(each, (str, Parameter)) else each)]
+    for what, known in (("bounds", ends), ("start", starts), ("each", own)):
+        for name in known:
+            if name not in names:
+                raise ValueError(f"{what} has {name!r}, which is not among fit")
+    unknowns = []
+    for name in names:
+        low, high = ends.get(name, (-math.inf, math.inf))
+        begin = number(starts[name], f"start[{name}]") if name in starts else None
+        unknowns.append((name, begin, float(low), float(high), name in own))
+    several = data if isinstance(data, (list, tuple)) else [data]
+    records, measured, times = [], [], []
+    for number_of, one in enumerate(several):
+        record = one if isinstance(one, Record) else Record(one)
+        for name in (TIME, *formulas):
+            if name not in record.data:
+                raise ValueError(
+                    f"record {number_of + 1} has no column {name!r}; it has "
+                    f"{', '.join(map(str, record.data))}"
+                )
+        times.append(_column(record.data[TIME], TIME, None))
+        measured.append(
+            {name: _column(record.data[name], name, len(times[-1])) for name in formulas}
+        )
+        records.append(
+            (
+                times[-1].tolist(),
+                [values.tolist() for values in measured[-1].values()],
+                _pairs(record.parameters, "parameters"),
+                _pairs(record.y0, "y0"),
+                None if record.t0 is None else number(record.t0, "t0"),
+            )
+        )
+    how = (
+        loss,
+        number(loss_scale, "loss_scale"),
+        whole(search, "search", least=0),
+        whole(most_runs, "most_runs"),
+    )
+    found = call_engine(
+        _core.fit, core, records, observables, unknowns, list(extra.items()), how, made
+    )
+    at = list(zip(found.pop("records"), found.pop("observables")))
+    columns = list(formulas)
+    for name in ("model", "residuals", "rms", "sigma", "p_values"):
+        values, by_record = found.pop(name), [{} for _ in several]  # type: ignore[var-annotated]
+        for (record_number, column), value in zip(at, values):
+            by_record[record_number][columns[column]] = value
+        found[name] = by_record
+    result = make_result(found, FitResult, t=times, data=measured, system=system)
+    if not result.success:
+        message = f"no minimum was found in {most_runs} runs: begin nearer to it, or give bounds"
+        warnings.warn(message, SolverWarning, stacklevel=2)
+    return result
+
+
+def _column(values: ArrayLike, name: str, count: int | None) -> Floats:
+    """A column of numbers, of which NaN are missing."""
+    found = np.asarray(values, dtype=np.float64)
+    if found.ndim != 1 or (count is not None and len(found) != count):
+        of = "" if count is None else f" of {count} values, one for each time"
+        raise ValueError(f"the column {name!r} must be one row{of}; its shape is {found.shape}")
+    return array(found, name) if name == TIME else found

@@ -1,0 +1,115 @@
+"""Fits: truth from records of exact runs, SciPy's least squares, refusals."""
+
+import matplotlib
+import numpy as np
+import pytest
+import stickslip as ss
+from scipy.optimize import least_squares
+
+matplotlib.use("agg")
+
+x, v = ss.states("x v")
+mu, fall, speed = ss.parameters(mu=0.44, fall=1.1, speed=0.3)
+belt = ss.Contact("belt", boundary=v - speed)
+FALLING = mu / (1 + fall * belt.side * (v - speed))
+BLOCK = ss.System({x: v, v: -x - belt.side * FALLING}, contacts=[belt], start=[0.2, 0.9])
+TIMES = np.linspace(0.25, 15, 60)
+
+
+def record(seed=None, sigma=0.002):
+    sol = ss.solve_ivp(BLOCK.with_parameters(mu=0.5, fall=1.0), (0, 15), t_eval=TIMES)
+    noise = 0.0 if seed is None else np.random.default_rng(seed).normal(0, sigma, TIMES.size)
+    return {"t": TIMES, "x": sol.y[0] + noise, "v": sol.y[1] + 3 * noise}
+
+
+def test_an_exact_record_gives_back_what_made_it():
+    found = ss.fit(BLOCK, record(), [mu, "fall", x], {"x": x, "v": v})
+    assert found.success and found.names == ["mu", "fall", "x"]
+    assert np.allclose(found.x, [0.5, 1.0, 0.2], rtol=0, atol=1e-8)
+    assert found[mu] == found["mu"] == found.values["mu"]
+
+
+@pytest.mark.parametrize(
+    ("loss", "scale"), [("squares", 1.0), ("soft_l1", 1.2), ("huber", 1.5)]
+)
+def test_the_minimum_is_that_of_scipy(loss, scale):
+    data = record(seed=3)
+    data["x"][[7, 30]] += 0.05
+    bounds = {mu: (0.1, 0.9), fall: (0.2, 0.97)}
+    start = {fall: 0.9}
+    ours = ss.fit(
+        BLOCK, data, [mu, fall], {"x": x}, sigma=0.002, bounds=bounds, start=start, loss=loss,
+        loss_scale=scale,
+    )  # fmt: skip
+
+    def run(p):
+        system = BLOCK.with_parameters(mu=p[0], fall=p[1])
+        return ss.solve_ivp(system, (0, 15), t_eval=TIMES, derivatives=[mu, fall])
+
+    theirs = least_squares(
+        lambda p: (run(p).y[0] - data["x"]) / 0.002,
+        [0.44, 0.9],
+        jac=lambda p: run(p).dy[0] / 0.002,
+        bounds=([0.1, 0.2], [0.9, 0.97]),
+        loss={"squares": "linear"}.get(loss, loss),
+        f_scale=scale,
+        xtol=1e-14,
+        ftol=1e-14,
+        gtol=1e-12,
+    )
+    assert np.allclose(ours.x, theirs.x, rtol=0, atol=2e-7)
+    assert abs(ours.cost - theirs.cost) < 1e-6 * theirs.cost
+
+
+def test_standard_errors_are_those_of_the_derivatives():
+    data = record(seed=5)
+    found = ss.fit(BLOCK, data, [mu, fall], {"x": x}, sigma=0.002)
+    system = BLOCK.with_parameters(**found.values)
+    slopes = ss.solve_ivp(system, (0, 15), t_eval=TIMES, derivatives=[mu, fall]).dy[0]
+    covariance = 0.002**2 * np.linalg.inv(slopes.T @ slopes)
+    assert np.allclose(found.covariance, covariance, rtol=1e-6)
+    assert np.allclose(found.std_errors, np.sqrt(np.diag(covariance)), rtol=1e-6)
+    assert np.allclose(np.diag(found.correlations), 1)
+    half = 1.959964 * found.std_errors
+    assert np.allclose(found.intervals, np.c_[found.x - half, found.x + half], rtol=1e-6)
+
+
+def test_offsets_missing_values_and_several_records():
+    off, = ss.parameters(off=0.0)  # fmt: skip
+    first, second = record(seed=1), record(seed=2)
+    first["x"] = first["x"] + 0.1
+    first["x"][4] = np.nan
+    found = ss.fit(BLOCK, [first, ss.Record(second)], [mu, off], {"x": x + off}, each=[off])
+    assert found.names == ["mu", "off@1", "off@2"]
+    assert abs(found["off@1"] - 0.1) < 0.01 and abs(found["off@2"]) < 0.01
+    assert np.isnan(found.residuals[0]["x"][4]) and len(found.t) == 2
+    axes = found.plot(1)
+    assert len(axes) == 2
+    told = repr(found)
+    assert "off@1" in told and "±" in told and "rms" in told
+
+
+def test_what_cannot_be_fitted_is_refused():
+    data = record(seed=1)
+    for given, said in [
+        ({"fit": ["nu"]}, "neither a parameter nor a state"),
+        ({"observe": {"y": x}}, "has no column 'y'"),
+        ({"bounds": {"x": (0, 1)}}, "which is not among fit"),
+        ({"sigma": {"y": 1.0}}, "no column of observe"),
+        ({"loss": "cauchy"}, "it must be one of"),
+        ({"search": 3}, "has no bounds to search within"),
+        ({"data": {"t": TIMES[::-1], "x": data["x"]}}, "does not come after"),
+        ({"data": {"t": TIMES, "x": data["x"][1:]}}, "one for each time"),
+        ({"data": {"t": TIMES[:2], "x": [np.nan, 0.1]}}, "cannot determine"),
+    ]:
+        arguments = {"data": data, "fit": [mu], "observe": {"x": x}} | given
+        with pytest.raises(ValueError, match=said):
+            ss.fit(BLOCK, **arguments)
+    with pytest.raises(TypeError, match="observe must be a dict"):
+        ss.fit(BLOCK, data, [mu], x)
+    with pytest.raises(TypeError, match="neither a parameter"):
+        ss.fit(BLOCK, data, [3], {"x": x})
+    escaping = ss.System({x: x * x}, start=[1])
+    a, = ss.parameters(a=1.0)  # fmt: skip
+    with pytest.raises(ss.StickslipError, match="start elsewhere"):
+        ss.fit(escaping, data, [a], {"x": a * x})
