@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings captions mutants archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions fit-coverage shooting mutants archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -43,6 +43,12 @@ readings: build-replication ## Search all readings of Figs. 10-12 anew into gold
 
 captions: build-figures ## Captions of Figs. 10-12 moved within their rounding: golden/captions.csv, some ten minutes
 	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin captions -- --out-dir golden
+
+fit-coverage: ## How often intervals of fits contain the truth: crates/stickslip-model/examples/fit_coverage
+	$(CARGO) run --locked --release -p stickslip-model --example fit_coverage -- crates/stickslip-model/examples/fit_coverage
+
+shooting: ## 100 chaotic records by multiple and by single shooting; some minutes
+	$(CARGO) test --locked --release -p stickslip-model --test suite -- --ignored --nocapture 90_of_100_chaotic
 
 mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
 	tests/mutants.sh

@@ -6,9 +6,9 @@ A block on a belt, with friction that falls from a static value to a kinetic one
 
 .. math:: F(v_r) = F_k + (F_s - F_k) e^{-|v_r|/v_s}.
 
-Which of the three values can a record of the position tell? The slow belt makes the block stick for
-most of the time, and each slip passes all speeds at once. A second, fast belt shows friction at
-speeds where it is kinetic alone.
+Which of the three values can a record of the position tell? On a slow belt the block sticks for most
+of the time, and its slips are slow. A second, fast belt shows friction at high speeds, where it is
+kinetic alone.
 """
 
 import matplotlib.pyplot as plt
@@ -44,18 +44,18 @@ assert alone.success and np.abs((alone.x - list(true.values())) / alone.std_erro
 alone.plot()
 
 # %%
-# The static value stands out: it is where the block lets go. The other two are correlated. A slip
-# sees their combination, the friction at the speeds that it passes.
-correlation = alone.correlations[1, 2]
-assert abs(correlation) > 0.5
+# The static value stands out: it is where the block lets go. The other two cannot be told apart. A
+# slip sees their combination, the friction at the speeds that it passes. The model is even so curved
+# within their errors that the intervals are doubtful, which `bend` says.
+assert alone.correlations[1, 2] < -0.99 and alone.bend > 0.3
 
 # %%
-# With a record of a fast belt, on which the block slips for ever, both are told apart.
+# With a record of a fast belt both are told apart: the slips pass more speeds.
 fast = ss.Record(measured(1.5), parameters={"speed": 1.5}, y0={"x": 0, "v": 1.5})
 both = ss.fit(block, [slow, fast], [Fs, Fk, vs], {"x": x})
 print(both)
 gain = alone.std_errors / both.std_errors
-assert both.success and gain[1] > 2
+assert both.success and gain[1] > 10 and both.bend < 0.3
 
 figure, axes = plt.subplots()
 speeds = np.linspace(0, 1.5, 100)

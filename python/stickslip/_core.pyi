@@ -115,7 +115,7 @@ def fit(
     observables: Sequence[tuple[str, str, float | None]],
     unknowns: Sequence[tuple[str, float | None, float, float, bool]],
     extra: Sequence[tuple[str, float]],
-    how: tuple[str, float, int, int],
+    how: tuple[str, float, int, int, int],
     settings: _Settings,
 ) -> _Found: ...
 def lyapunov_spectrum(

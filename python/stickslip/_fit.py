@@ -97,12 +97,16 @@ class FitResult(Result):
         Start, end and modes of the phases of each record.
     cost : float
         Half the sum of squares of the residuals over their deviations.
+    mismatch : float or None
+        With `segments`, where no single orbit follows the record: the largest mismatch of two parts,
+        over the spread of the state.
     freedom : int
         Number of values minus number of unknowns.
     success : bool
         Whether a minimum was reached, and how the search ended in `end`.
     end : str
-        "cost", "step", "gradient", "change" (of phases, at the minimum) or "evaluations".
+        "cost", "step", "gradient", "change" (of phases, at the minimum), "evaluations" or
+        "notfinite".
     work : (int, int, int)
         Steps, runs, and runs that failed.
     changes : (int, int)
@@ -131,6 +135,7 @@ class FitResult(Result):
     p_values: list[dict[str, float]]
     phases: list[list[tuple[float, float, str]]]
     cost: float
+    mismatch: float | None
     freedom: int
     success: bool
     end: str
@@ -221,6 +226,7 @@ def fit(
     loss: Literal["squares", "soft_l1", "huber"] = "squares",
     loss_scale: float = 1.0,
     search: int = 0,
+    segments: int = 0,
     most_runs: int = 500,
     method: Method = "taylor",
     **options: Unpack[OptionsButMethod],
@@ -257,6 +263,9 @@ def fit(
         Residual, in standard deviations, from which it counts as large.
     search : int, optional
         Number of further starts within the bounds; all minima are reported.
+    segments : int, optional
+        Parts of each record for multiple shooting, with which the search begins: for chaotic or
+        long records, some periods each.
     most_runs : int, optional
         Most runs of one search for a minimum.
     method : {"taylor", "dop853"}, optional
@@ -349,6 +358,7 @@ def fit(
         loss,
         number(loss_scale, "loss_scale"),
         whole(search, "search", least=0),
+        whole(segments, "segments", least=0),
         whole(most_runs, "most_runs"),
     )
     found = call_engine(
@@ -363,7 +373,7 @@ def fit(
         found[name] = by_record
     result = make_result(found, FitResult, t=times, data=measured, system=system)
     if not result.success:
-        message = f"no minimum was found in {most_runs} runs: begin nearer to it, or give bounds"
+        message = f"no minimum was found ({result.end}): begin nearer to it, or give bounds"
         warnings.warn(message, SolverWarning, stacklevel=2)
     return result
 

@@ -236,6 +236,7 @@ impl Case {
             unknowns: Vec::new(),
             loss: Loss::Squares,
             search: 0,
+            segments: 0,
             most_evaluations: 200,
             options: Options::tol(1e-9),
             interrupt: None,

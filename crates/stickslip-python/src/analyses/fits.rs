@@ -33,10 +33,10 @@ pub(crate) fn fit<'py>(
     observables: Vec<(String, String, Option<f64>)>,
     unknowns: Vec<(String, Option<f64>, f64, f64, bool)>,
     extra: Vec<(String, f64)>,
-    how: (String, f64, usize, usize),
+    how: (String, f64, usize, usize, usize),
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (loss, scale, search, most_evaluations) = how;
+    let (loss, scale, search, segments, most_evaluations) = how;
     let loss = match &*loss {
         "squares" => Loss::Squares,
         "soft_l1" => Loss::SoftL1(scale),
@@ -87,6 +87,7 @@ pub(crate) fn fit<'py>(
             .collect(),
         loss,
         search,
+        segments,
         most_evaluations,
         options,
         interrupt: None,
@@ -165,8 +166,10 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
     });
     fields.texts("phases", phases)?;
     fields.put("cost", fit.cost)?;
+    fields.put("mismatch", fit.mismatch)?;
     fields.put("freedom", fit.freedom)?;
-    fields.put("success", fit.end != LeastSquaresEnd::Evaluations)?;
+    let failed = [LeastSquaresEnd::Evaluations, LeastSquaresEnd::NotFinite];
+    fields.put("success", !failed.contains(&fit.end))?;
     fields.put("end", format!("{:?}", fit.end).to_lowercase())?;
     fields.put("work", (fit.steps, fit.evaluations, fit.failures))?;
     fields.put("changes", (fit.crossings, fit.jumps))?;

@@ -6,8 +6,8 @@ use nalgebra::{QR, SVD};
 /// Least part of the predicted decrease with which a step is taken (Moré, as in MINPACK).
 const LEAST_RATIO: f64 = 1e-4;
 
-/// Refused steps in a row into another piece after which the change is located. It is chosen: a
-/// shorter step often stays on this side of it.
+/// Refused steps into another piece after which the change is located. It is chosen: a shorter step
+/// often stays on this side of it, or leads beyond.
 const REFUSED_BEFORE_HOLDING: u32 = 2;
 
 /// Most times that a step is held to a change. It is chosen: a minimum on a change would be held
@@ -20,6 +20,10 @@ const HALVINGS: u32 = 30;
 /// Part of the change along a whole step that is left where residuals are continuous. After
 /// [`HALVINGS`] a square root has 3e-5 of it.
 const JUMP: f64 = 1e-3;
+
+/// Least curvature of the cost of a residual, over its weight. It is chosen: large residuals of
+/// Huber's loss have none, and steps would go anywhere.
+const LEAST_CURVATURE: f64 = 0.1;
 
 /// Residuals at a point, and their derivatives with one column for each variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,27 +52,36 @@ pub enum Loss {
 }
 
 impl Loss {
-    /// The cost of a residual, and the factors of it and of its derivatives in the equivalent
-    /// problem of squares.
-    pub fn of(self, residual: f64) -> (f64, f64, f64) {
+    /// `ρ`, its derivative, and twice its second one times `z`, for a residual; and the scale.
+    fn derivatives(self, residual: f64) -> [f64; 4] {
         let (scale, z) = match self {
-            Loss::Squares => return (0.5 * residual * residual, 1.0, 1.0),
+            Loss::Squares => return [residual * residual, 1.0, 0.0, 1.0],
             Loss::SoftL1(scale) | Loss::Huber(scale) => (scale, (residual / scale).powi(2)),
         };
-        let (rho, first, second) = match self {
-            Loss::Huber(_) if z <= 1.0 => (z, 1.0, 0.0),
-            Loss::Huber(_) => (2.0 * z.sqrt() - 1.0, 1.0 / z.sqrt(), -0.5 / (z * z.sqrt())),
+        let root = z.sqrt();
+        match self {
+            Loss::Huber(_) if z <= 1.0 => [z, 1.0, 0.0, scale],
+            Loss::Huber(_) => [2.0 * root - 1.0, 1.0 / root, -1.0 / root, scale],
             _ => {
-                let t = 1.0 + z;
-                (
-                    2.0 * z / (1.0 + t.sqrt()),
-                    1.0 / t.sqrt(),
-                    -0.5 / (t * t.sqrt()),
-                )
+                let (t, rise) = (1.0 + z, (1.0 + z).sqrt());
+                [2.0 * z / (1.0 + rise), 1.0 / rise, -z / (t * rise), scale]
             }
-        };
-        let factor = (first + 2.0 * second * z).max(f64::EPSILON).sqrt();
+        }
+    }
+
+    /// The cost of a residual, and the factors of it and of its derivatives in a problem of squares
+    /// with the same gradient. Its curvature is that of the cost, or a part of the weight where the
+    /// cost has hardly any.
+    pub fn of(self, residual: f64) -> (f64, f64, f64) {
+        let [rho, first, second, scale] = self.derivatives(residual);
+        let factor = (first + second).max(LEAST_CURVATURE * first).sqrt();
         (0.5 * scale * scale * rho, first / factor, factor)
+    }
+
+    /// The derivative of the cost of a residual, and its second derivative (Huber's ψ and ψ′).
+    pub fn influence(self, residual: f64) -> (f64, f64) {
+        let [_, first, second, _] = self.derivatives(residual);
+        (residual * first, first + second)
     }
 }
 
@@ -99,6 +112,8 @@ pub enum LeastSquaresEnd {
     Change,
     /// The evaluations were used up.
     Evaluations,
+    /// Residuals or derivatives at the start are not finite.
+    NotFinite,
 }
 
 /// Result of [`least_squares`].
@@ -320,8 +335,12 @@ impl<F> Search<'_, F> {
             0.0 => 1.0,
             size => size,
         };
-        let (mut steps, mut crossings, mut jumps, mut holds) = (0, 0, 0, 0);
+        let (mut steps, mut crossings, mut jumps) = (0, 0, 0);
+        let (mut refused, mut holds) = (0, 0);
         let end = 'search: loop {
+            if !here.is_usable() {
+                break LeastSquaresEnd::NotFinite;
+            }
             let model = Model::of(&here, &scale, &self.settings.bounds);
             let sizes = norms(&here.jacobian);
             let slope = here.jacobian.tr_mul(&here.values);
@@ -330,7 +349,6 @@ impl<F> Search<'_, F> {
             if model.free.iter().all(is_orthogonal) {
                 break LeastSquaresEnd::Gradient;
             }
-            let mut refused = 0;
             loop {
                 if self.evaluations >= self.settings.most_evaluations {
                     break 'search LeastSquaresEnd::Evaluations;
@@ -369,6 +387,9 @@ impl<F> Search<'_, F> {
                 if ratio >= LEAST_RATIO {
                     steps += 1;
                     crossings += usize::from(is_crossing);
+                    if is_crossing {
+                        refused = 0;
+                    }
                     here = there;
                     if is_flat || here.cost == 0.0 {
                         break 'search LeastSquaresEnd::Cost;
@@ -378,7 +399,7 @@ impl<F> Search<'_, F> {
                 if is_flat {
                     break 'search LeastSquaresEnd::Cost;
                 }
-                refused += 1;
+                refused += u32::from(is_crossing);
                 if !is_crossing || refused <= REFUSED_BEFORE_HOLDING {
                     continue;
                 }

@@ -61,6 +61,10 @@ pub(super) struct Arguments {
     /// Also begin at as many points within the bounds, and report all minima
     #[arg(long, value_name = "COUNT", default_value_t = 0)]
     search: usize,
+    /// Parts of each record for multiple shooting, with which the search begins: for chaotic or
+    /// long records, some periods each
+    #[arg(long, value_name = "COUNT", default_value_t = 0)]
+    segments: usize,
     /// Most runs of one search for a minimum
     #[arg(long, value_name = "COUNT", default_value = "500", value_parser = count)]
     most_runs: NonZeroUsize,
@@ -113,6 +117,7 @@ fn ending(end: LeastSquaresEnd) -> &'static str {
         LeastSquaresEnd::Gradient => "the residuals are orthogonal to their derivatives",
         LeastSquaresEnd::Change => "the sequence of phases changes at the minimum",
         LeastSquaresEnd::Evaluations => "not converged",
+        LeastSquaresEnd::NotFinite => "no derivatives where it begins",
     }
 }
 
@@ -208,6 +213,15 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
         "crossings": found.crossings,
         "jumps": found.jumps,
     }));
+    if let Some(mismatch) = found.mismatch {
+        let words = format!(
+            "{} parts, as no single orbit follows the record; mismatch {mismatch:.0e} of the \
+             spread",
+            request.segments
+        );
+        report.line("shooting", words);
+    }
+    report.field("mismatch", found.mismatch);
     for (number, record) in request.records.iter().enumerate() {
         let name = match request.records.len() {
             1 => "fit".to_owned(),
@@ -239,6 +253,11 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
         report.figure(&name, &figure);
     }
     let failure = match found.end {
+        LeastSquaresEnd::NotFinite => Some(
+            "the run has no derivatives where the search begins: begin elsewhere, by --set or \
+             --start"
+                .to_owned(),
+        ),
         LeastSquaresEnd::Evaluations => Some(format!(
             "no minimum was found in {} runs: begin nearer to it, give bounds, or allow more with \
              --most-runs",

@@ -203,6 +203,7 @@ pub(super) fn wanted(
         unknowns,
         loss: loss(&arguments.loss)?,
         search: arguments.search,
+        segments: arguments.segments,
         most_evaluations: arguments.most_runs.get(),
         options,
         interrupt: None,

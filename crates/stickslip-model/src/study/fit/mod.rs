@@ -2,6 +2,7 @@
 
 mod errors;
 mod problem;
+mod shooting;
 mod statistics;
 mod uncertainty;
 
@@ -80,6 +81,8 @@ pub struct FitRequest {
     pub loss: Loss,
     /// Number of starts within the bounds, besides the given one.
     pub search: usize,
+    /// Parts of each record for multiple shooting, before the search; 0 or 1 for none.
+    pub segments: usize,
     /// Most evaluations of one search.
     pub most_evaluations: usize,
     /// Options of the solver.
@@ -152,6 +155,9 @@ pub struct Fit {
     pub times: Vec<Vec<f64>>,
     /// Half the weighted sum of squares of the residuals over their standard deviations.
     pub cost: f64,
+    /// With multiple shooting that ends in parts: the largest mismatch of two parts, over the
+    /// spread of the state.
+    pub mismatch: Option<f64>,
     /// Number of values minus number of unknowns.
     pub freedom: usize,
     /// Why the search ended.
@@ -203,6 +209,16 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         }
         count => problem.best_starts(&given, count, SEARCHED_FROM)?,
     };
+    if request.segments > 1
+        && let Some(start) = starts.first()
+        && let Some(shot) = shooting::shot(&problem, start, request.segments)
+    {
+        let settings = settings(&problem);
+        let found = in_parts(&mut problem, &settings, shot);
+        problem.check_interrupt()?;
+        return found;
+    }
+    problem.check_interrupt()?;
     let minima = |problem: &Problem, starts: &[Vector]| {
         let settings = settings(problem);
         let found = starts.par_iter().map(|start| {
@@ -231,17 +247,28 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         }
     }
     let others = distinct.split_off(1.min(distinct.len()));
-    let Some(mut best) = distinct.pop() else {
+    let Some(best) = distinct.pop() else {
         return Err(first_error.unwrap_or(FitError::NoData));
     };
+    let settings = settings(&problem);
+    finished(&mut problem, best, &settings, others)
+}
+
+/// Estimates the noise, weighs by it, and describes the minimum.
+fn finished(
+    problem: &mut Problem<'_>,
+    mut best: LeastSquares<Sequence>,
+    settings: &LeastSquaresSettings,
+    others: Vec<LeastSquares<Sequence>>,
+) -> Result<Fit, FitError> {
     for _ in 0..MOST_ROUNDS {
         let scales = problem.sigmas.clone();
         let largest = problem.estimate_sigmas(&best)?;
         if scales == problem.sigmas {
             break;
         }
-        let again = minima(&problem, std::slice::from_ref(&best.x)).pop();
-        let again = again.unwrap_or(Err(FitError::NoData))?;
+        let again = least_squares(&best.x, settings, |x| problem.residuals(x));
+        let again = again.map_err(|error| problem.failed(error))?;
         best = LeastSquares {
             steps: best.steps + again.steps,
             evaluations: best.evaluations + again.evaluations,
@@ -260,7 +287,7 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
             break;
         }
     }
-    let uncertainty = Uncertainty::of(&problem, &best);
+    let uncertainty = Uncertainty::of(problem, &best);
     problem.check_interrupt()?;
     let others = others.into_iter().map(|one| OtherMinimum {
         values: one.x.as_slice().to_vec(),
@@ -268,6 +295,45 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
     });
     let others = others.collect();
     problem.result(best, uncertainty, others)
+}
+
+/// Cost of a single orbit over that of its parts, up to which it is the result. Noise and mismatch
+/// make it differ by less.
+const SINGLE: f64 = 1.05;
+
+/// Cost below which residuals are none: a millionth of the spread of a value.
+const NO_COST: f64 = 1e-12;
+
+/// The result of multiple shooting: a single orbit, or its parts where none follows the record, as
+/// none can where rounding grows beyond the noise.
+fn in_parts(
+    problem: &mut Problem<'_>,
+    settings: &LeastSquaresSettings,
+    (mut parts, mut best): (Problem<'_>, LeastSquares<Sequence>),
+) -> Result<Fit, FitError> {
+    let start = best.x.rows(0, settings.bounds.len()).into_owned();
+    let single = least_squares(&start, settings, |x| problem.residuals(x)).ok();
+    let most = SINGLE * parts.cost_of_data(&best) + NO_COST;
+    let single = single.filter(|single| single.cost <= most);
+    if let Some(single) = single {
+        return finished(problem, single, settings, Vec::new());
+    }
+    for _ in 0..MOST_ROUNDS {
+        let scales = parts.sigmas.clone();
+        let largest = parts.estimate_sigmas(&best)?;
+        if scales == parts.sigmas {
+            break;
+        }
+        match shooting::tightened(&parts, &best.x) {
+            Some(again) => best = again,
+            None => break,
+        }
+        if largest <= SAME_SIGMA {
+            break;
+        }
+    }
+    let uncertainty = Uncertainty::of(&parts, &best);
+    parts.result(best, uncertainty, Vec::new())
 }
 
 /// Values and derivatives of all columns of all records.

@@ -13,7 +13,7 @@ use super::{
     Uncertainty,
 };
 use crate::expression::{Tape, normal};
-use crate::file::{FreeStarts, Meaning, Observed, System};
+use crate::file::{FreeStarts, Meaning, Observed, System, SystemFile};
 use crate::kernel::HELD_PER_INPUT;
 use crate::study::Variables;
 
@@ -34,7 +34,16 @@ enum Kind {
     StartTime,
 }
 
+/// A start of a part of a record: its first unknown, and states from which it may begin.
+#[derive(Clone)]
+pub(super) struct Node {
+    pub(super) instance: usize,
+    pub(super) first: usize,
+    pub(super) candidates: Vec<Vector>,
+}
+
 /// A number that is sought.
+#[derive(Clone)]
 struct Sought {
     name: String,
     start: f64,
@@ -64,6 +73,15 @@ struct Instance {
 
 pub(super) struct Problem<'r> {
     request: &'r FitRequest,
+    /// The file with the parameters of the observables, and the number of those without them.
+    file: SystemFile,
+    own_parameters: usize,
+    /// Records whose ends are the starts of the next, and the first unknown of that start.
+    joins: Vec<(usize, usize)>,
+    /// Weight of a mismatch there over the spread of each state.
+    weight: f64,
+    spreads: Vec<f64>,
+    nodes: Vec<Node>,
     sought: Vec<Sought>,
     records: Vec<Instance>,
     /// For each observable.
@@ -75,7 +93,6 @@ impl<'r> Problem<'r> {
         let further = request.extra.iter();
         let further: Vec<(&str, f64)> = further.map(|(name, value)| (&**name, *value)).collect();
         let own = request.file.parameters.len();
-        let file = request.file.with_parameters(&further)?;
         for observable in &request.observables {
             if let Some(sigma) = observable.sigma
                 && !(sigma > 0.0 && sigma.is_finite())
@@ -103,29 +120,23 @@ impl<'r> Problem<'r> {
         }
         let mut problem = Problem {
             request,
+            file: request.file.with_parameters(&further)?,
+            own_parameters: own,
+            joins: Vec::new(),
+            weight: 0.0,
+            spreads: Vec::new(),
+            nodes: Vec::new(),
             sought: Vec::new(),
             records: Vec::new(),
             sigmas: Vec::new(),
         };
         let mut systems = Vec::new();
         for record in &request.records {
-            let is_own = |name: &str| {
-                record
-                    .set
-                    .iter()
-                    .any(|(own, _)| normal(own) == normal(name))
-            };
-            let common = request.set.iter().filter(|(name, _)| !is_own(name));
-            let settings: Vec<(String, f64)> = common.chain(&record.set).cloned().collect();
-            let mut system = file.with(&settings)?;
-            if let Some(interrupt) = &request.interrupt {
-                system = system.interrupted_by(interrupt.clone())?;
-            }
-            systems.push(system);
+            systems.push(problem.system(record)?);
         }
         let locals = problem.unknowns(&systems)?;
         for ((system, record), local) in systems.into_iter().zip(&request.records).zip(locals) {
-            let instance = problem.instance(system, own, record, local)?;
+            let instance = problem.instance(system, record, local)?;
             problem.records.push(instance);
         }
         let values = problem.records.iter().flat_map(|record| &record.columns);
@@ -146,6 +157,155 @@ impl<'r> Problem<'r> {
             .map(|(k, observable)| observable.sigma.unwrap_or_else(|| spread(all(k))))
             .collect();
         Ok(problem)
+    }
+
+    /// The system of a record.
+    fn system(&self, record: &Record) -> Result<System, FitError> {
+        let is_own = |name: &str| {
+            let mut own = record.set.iter();
+            own.any(|(own, _)| normal(own) == normal(name))
+        };
+        let common = self.request.set.iter().filter(|(name, _)| !is_own(name));
+        let settings: Vec<(String, f64)> = common.chain(&record.set).cloned().collect();
+        let system = self.file.with(&settings)?;
+        Ok(match &self.request.interrupt {
+            Some(interrupt) => system.interrupted_by(interrupt.clone())?,
+            None => system,
+        })
+    }
+
+    /// The problem of records in parts, each of which begins at a state of its own, and the point
+    /// that has the present orbit. None where that run fails, or a part could have no start.
+    pub(super) fn in_segments(
+        &self,
+        x: &Vector,
+        segments: usize,
+        candidates: usize,
+    ) -> Option<(Problem<'r>, Vector)> {
+        let mut parts = Problem {
+            request: self.request,
+            file: self.file.clone(),
+            own_parameters: self.own_parameters,
+            sought: self.sought.clone(),
+            records: Vec::new(),
+            sigmas: self.sigmas.clone(),
+            joins: Vec::new(),
+            weight: 0.0,
+            spreads: Vec::new(),
+            nodes: Vec::new(),
+        };
+        let mut whole: Vec<f64> = x.iter().copied().collect();
+        for (k, (record, base)) in self.request.records.iter().zip(&self.records).enumerate() {
+            let states = base.system.states();
+            if base
+                .system
+                .file
+                .states
+                .iter()
+                .any(|state| state.is_discrete)
+            {
+                return None;
+            }
+            let points = base.at(k, x, self.sought.len()).ok()?.points;
+            if k == 0 {
+                let of = |state: usize| spread(points.iter().map(|point| point[state]));
+                parts.spreads = (0..states).map(of).collect();
+            }
+            let count = base.times.len();
+            let every = (points.len() / candidates).max(1);
+            // A part without a value of its own would begin anywhere.
+            let segments = segments.min(count / 2).max(1);
+            for segment in 0..segments {
+                let [from, to] = [segment, segment + 1].map(|part| part * count / segments);
+                let cut = |of: &Vec<f64>| of[from..to].to_vec();
+                let is_first = segment == 0;
+                let before = from.checked_sub(1).map(|row| base.times[row]);
+                let part = Record {
+                    name: record.name.clone(),
+                    times: cut(&record.times),
+                    columns: record.columns.iter().map(cut).collect(),
+                    set: record.set.clone(),
+                    start: if is_first {
+                        record.start.clone()
+                    } else {
+                        Vec::new()
+                    },
+                    t_start: before.or(record.t_start),
+                };
+                let mut local = base.local.clone();
+                if !is_first {
+                    local.retain(|(kind, _)| matches!(kind, Kind::Parameter(_)));
+                    let first = parts.sought.len();
+                    let begin = points.get(from.wrapping_sub(1))?;
+                    for state in 0..states {
+                        local.push((Kind::State(state), first + state));
+                        whole.push(begin[state]);
+                        parts.sought.push(Sought {
+                            name: String::new(),
+                            start: begin[state],
+                            bounds: (f64::NEG_INFINITY, f64::INFINITY),
+                        });
+                    }
+                    let others = points.iter().step_by(every).cloned();
+                    parts.joins.push((parts.records.len() - 1, first));
+                    parts.nodes.push(Node {
+                        instance: parts.records.len(),
+                        first,
+                        candidates: std::iter::once(begin.clone()).chain(others).collect(),
+                    });
+                }
+                let system = parts.system(&part).ok()?;
+                let instance = parts.instance(system, &part, local).ok()?;
+                parts.records.push(instance);
+            }
+        }
+        Some((parts, Vector::from_vec(whole)))
+    }
+
+    pub(super) fn nodes(&self) -> Vec<Node> {
+        self.nodes.clone()
+    }
+
+    pub(super) fn set_weight(&mut self, weight: f64) {
+        self.weight = weight;
+    }
+
+    /// Residuals of one record alone, by all unknowns.
+    pub(super) fn of_instance(
+        &self,
+        number: usize,
+        x: &Vector,
+    ) -> Result<Residuals<Sequence>, Failed> {
+        let record = &self.records[number];
+        let run = record.at(number, x, self.sought.len())?;
+        let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+        self.add_rows(record, &run, &mut residuals, &mut slopes);
+        let rows = residuals.len();
+        Ok(Residuals {
+            values: Vector::from_vec(residuals),
+            jacobian: Matrix::from_row_slice(rows, self.sought.len(), &slopes),
+            piece: vec![run.phases.iter().map(|phase| phase.2).collect()],
+        })
+    }
+
+    /// Adds the residuals of a record, and their derivatives, without missing values.
+    fn add_rows(
+        &self,
+        record: &Instance,
+        run: &RecordAt,
+        residuals: &mut Vec<f64>,
+        slopes: &mut Vec<f64>,
+    ) {
+        for (k, (model, data)) in run.values.iter().zip(&record.columns).enumerate() {
+            let sigma = self.sigmas.get(k).copied().unwrap_or(1.0);
+            for (i, (model, data)) in model.iter().zip(data).enumerate() {
+                if data.is_nan() {
+                    continue;
+                }
+                residuals.push((model - data) / sigma);
+                slopes.extend(run.slopes[k][i].iter().map(|slope| slope / sigma));
+            }
+        }
     }
 
     /// Collects what is sought, and returns for each record what of it is there.
@@ -241,10 +401,10 @@ impl<'r> Problem<'r> {
     fn instance(
         &self,
         system: System,
-        own_parameters: usize,
         record: &Record,
         local: Vec<(Kind, usize)>,
     ) -> Result<Instance, FitError> {
+        let own_parameters = self.own_parameters;
         let name = record.name.clone();
         let is_wrong = |k: &usize| {
             let (before, now) = (record.times.get(k.wrapping_sub(1)), record.times[*k]);
@@ -522,22 +682,29 @@ impl<'r> Problem<'r> {
             lost: None,
         };
         let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
+        let mut ends = Vec::new();
         for ((number, run), record) in runs.into_iter().enumerate().zip(&self.records) {
             let run = run?;
-            for (k, (model, data)) in run.values.iter().zip(&record.columns).enumerate() {
-                let sigma = self.sigmas.get(k).copied().unwrap_or(1.0);
-                for (i, (model, data)) in model.iter().zip(data).enumerate() {
-                    if data.is_nan() {
-                        continue;
-                    }
-                    residuals.push((model - data) / sigma);
-                    slopes.extend(run.slopes[k][i].iter().map(|slope| slope / sigma));
-                }
-            }
+            self.add_rows(record, &run, &mut residuals, &mut slopes);
+            ends.push(run.end);
             all.values.push(run.values);
             all.phases.push(run.phases);
             if let Some(lost) = run.lost {
                 all.lost.get_or_insert((number, lost));
+            }
+        }
+        for &(before, first) in &self.joins {
+            let (end, by_local) = &ends[before];
+            let local = &self.records[before].local;
+            for (state, scale) in self.spreads.iter().enumerate() {
+                let weight = self.weight / scale;
+                residuals.push(weight * (end[state] - x[first + state]));
+                let mut row = vec![0.0; self.sought.len()];
+                for (column, &(_, place)) in local.iter().enumerate() {
+                    row[place] = weight * by_local[(state, column)];
+                }
+                row[first + state] -= weight;
+                slopes.extend(row);
             }
         }
         let rows = residuals.len();
@@ -579,9 +746,35 @@ impl<'r> Problem<'r> {
         Ok(largest)
     }
 
-    /// Degrees of freedom over number of values.
-    fn part_of_freedom(&self, count: usize) -> f64 {
-        (count - self.sought.len()) as f64 / count as f64
+    /// Number of residuals that are mismatches of parts.
+    fn mismatches(&self) -> usize {
+        self.joins.len() * self.spreads.len()
+    }
+
+    /// Degrees of freedom over number of values, of so many residuals.
+    fn part_of_freedom(&self, residuals: usize) -> f64 {
+        let freedom = residuals.saturating_sub(self.sought.len()).max(1) as f64;
+        freedom / residuals.saturating_sub(self.mismatches()).max(1) as f64
+    }
+
+    /// The largest mismatch of parts at a point, over the spread of the state.
+    pub(super) fn largest_mismatch(&self, at: &LeastSquares<Sequence>) -> f64 {
+        let residuals = at.at.values.as_slice();
+        let from = residuals.len().saturating_sub(self.mismatches());
+        let sizes = residuals.iter().skip(from).map(|r| r.abs() / self.weight);
+        sizes.fold(0.0, f64::max)
+    }
+
+    /// Half the sum of squares of the data alone.
+    pub(super) fn cost_of_data(&self, at: &LeastSquares<Sequence>) -> f64 {
+        let residuals = at.at.values.as_slice();
+        let count = residuals.len().saturating_sub(self.mismatches());
+        residuals.iter().take(count).map(|r| 0.5 * r * r).sum()
+    }
+
+    /// Whether this is a problem of parts.
+    pub(super) fn is_in_parts(&self) -> bool {
+        !self.joins.is_empty()
     }
 
     /// Residuals and data of an observable in all records.
@@ -597,15 +790,45 @@ impl<'r> Problem<'r> {
             .collect()
     }
 
+    /// What was modelled in parts, by records.
+    fn joined(&self, at: Modelled) -> Modelled {
+        if !self.is_in_parts() {
+            return at;
+        }
+        let (mut values, mut phases): (Vec<Vec<Vec<f64>>>, Vec<Vec<_>>) = Default::default();
+        let parts = at.values.into_iter().zip(at.phases).enumerate();
+        for (number, (columns, of_part)) in parts {
+            let goes_on = self.joins.iter().any(|(before, _)| before + 1 == number);
+            match (values.last_mut(), phases.last_mut()) {
+                (Some(known), Some(whole)) if goes_on => {
+                    for (known, column) in known.iter_mut().zip(columns) {
+                        known.extend(column);
+                    }
+                    whole.extend(of_part);
+                }
+                _ => {
+                    values.push(columns);
+                    phases.push(of_part);
+                }
+            }
+        }
+        Modelled {
+            values,
+            phases,
+            ..at
+        }
+    }
+
     pub(super) fn result(
         &self,
         best: LeastSquares<Sequence>,
         uncertainty: Uncertainty,
         others: Vec<OtherMinimum>,
     ) -> Result<Fit, FitError> {
-        let at = self.modelled(&best.x).map_err(|error| self.failed(error))?;
+        let parts = self.modelled(&best.x).map_err(|error| self.failed(error))?;
+        let at = self.joined(parts);
         let mut columns = Vec::new();
-        for (number, (record, values)) in self.records.iter().zip(&at.values).enumerate() {
+        for (number, (record, values)) in self.request.records.iter().zip(&at.values).enumerate() {
             for (k, (data, model)) in record.columns.iter().zip(values).enumerate() {
                 let pairs = data.iter().zip(model);
                 let residuals: Vec<f64> = pairs.map(|(data, model)| data - model).collect();
@@ -629,7 +852,9 @@ impl<'r> Problem<'r> {
                 });
             }
         }
-        let values = self.sought.iter().enumerate().map(|(k, one)| {
+        // The starts of parts are no results.
+        let named = self.sought.iter().filter(|one| !one.name.is_empty());
+        let values = named.enumerate().map(|(k, one)| {
             let value = best.x[k];
             let std_error = uncertainty.std_errors.get(k).copied().flatten();
             let half = std_error.map(|error| error * uncertainty.quantile);
@@ -647,12 +872,12 @@ impl<'r> Problem<'r> {
             values: values.collect(),
             columns,
             phases: at.phases,
-            times: self
-                .records
-                .iter()
-                .map(|record| record.times.clone())
-                .collect(),
-            cost: best.cost,
+            times: {
+                let records = self.request.records.iter();
+                records.map(|record| record.times.clone()).collect()
+            },
+            cost: self.cost_of_data(&best),
+            mismatch: self.is_in_parts().then(|| self.largest_mismatch(&best)),
             freedom: best.at.values.len() - self.sought.len(),
             end: best.end,
             steps: best.steps,
@@ -673,6 +898,10 @@ struct RecordAt {
     slopes: Vec<Vec<Vec<f64>>>,
     phases: Vec<(f64, f64, Modes)>,
     lost: Option<Error>,
+    /// States at the times.
+    points: Vec<Vector>,
+    /// The state at the last time, and its derivatives by what is sought here.
+    end: (Vector, Matrix),
 }
 
 impl Instance {
@@ -782,6 +1011,8 @@ impl Instance {
             slopes: vec![Vec::with_capacity(self.times.len()); self.observed.len()],
             phases: run.phases,
             lost: run.lost,
+            points: Vec::with_capacity(self.times.len()),
+            end: (Vector::zeros(0), Matrix::zeros(0, 0)),
         };
         for ((t, point), slopes) in self.times.iter().zip(&run.points).zip(&run.states) {
             if point.iter().any(|x| x.is_nan()) {
@@ -810,6 +1041,9 @@ impl Instance {
                 at.values[k].push(value);
                 at.slopes[k].push(row);
             }
+            let states = point.rows(0, states).into_owned();
+            at.points.push(states.clone());
+            at.end = (states, slopes);
         }
         Ok(at)
     }

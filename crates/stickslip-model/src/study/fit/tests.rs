@@ -79,6 +79,7 @@ fn request(unknowns: &[&str]) -> FitRequest {
             .collect(),
         loss: Loss::Squares,
         search: 0,
+        segments: 0,
         most_evaluations: 100,
         options: Options::tol(1e-12),
         interrupt: None,

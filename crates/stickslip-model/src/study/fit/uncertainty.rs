@@ -124,14 +124,17 @@ impl Uncertainty {
             for ((part, &k), open) in relative.iter().zip(&inside).zip(&mut is_open) {
                 let part = part / most;
                 // Less is rounding of the singular vectors.
-                if part.abs() > 1e-6 {
+                if part.abs() > 1e-6 && !problem.name(k).is_empty() {
                     named.push((problem.name(k).to_owned(), part));
                     *open = true;
                 }
             }
             own.undetermined.push(named);
         }
-        own.check_around(problem, (best, &at), (&inside, &directions));
+        // Parts follow a record that no orbit does; each direction would take a run of all.
+        if !problem.is_in_parts() {
+            own.check_around(problem, (best, &at), (&inside, &directions));
+        }
         if best.end == LeastSquaresEnd::Change {
             own.none = Some("the minimum lies where the sequence of phases changes");
         }
@@ -243,9 +246,9 @@ fn variance_factor(loss: Loss, residuals: &Vector, unknowns: usize) -> f64 {
     let count = residuals.len() as f64;
     let (mut squares, mut slopes) = (0.0, 0.0);
     for residual in residuals {
-        let (_, of_value, of_slope) = loss.of(*residual);
-        squares += (residual * of_value * of_slope).powi(2);
-        slopes += of_slope * of_slope;
+        let (influence, slope) = loss.influence(*residual);
+        squares += influence * influence;
+        slopes += slope;
     }
     let slope = slopes / count;
     squares / (count - unknowns as f64) / (slope * slope)
