@@ -79,8 +79,9 @@ def test_offsets_missing_values_and_several_records():
     first, second = record(seed=1), record(seed=2)
     first["x"] = first["x"] + 0.1
     first["x"][4] = np.nan
-    found = ss.fit(BLOCK, [first, ss.Record(second)], [mu, off], {"x": x + off}, each=[off])
-    assert found.names == ["mu", "off@1", "off@2"]
+    records = [first, ss.Record(second)]
+    found = ss.fit(BLOCK, records, [mu, fall, off], {"x": x + off}, each=[off])
+    assert found.names == ["mu", "fall", "off@1", "off@2"]
     assert abs(found["off@1"] - 0.1) < 0.01 and abs(found["off@2"]) < 0.01
     assert np.isnan(found.residuals[0]["x"][4]) and len(found.t) == 2
     axes = found.plot(1)

@@ -56,7 +56,9 @@ impl Loss {
     fn derivatives(self, residual: f64) -> [f64; 4] {
         let (scale, z) = match self {
             Loss::Squares => return [residual * residual, 1.0, 0.0, 1.0],
-            Loss::SoftL1(scale) | Loss::Huber(scale) => (scale, (residual / scale).powi(2)),
+            Loss::SoftL1(scale) | Loss::Huber(scale) => {
+                (scale, (residual / scale) * (residual / scale))
+            }
         };
         let root = z.sqrt();
         match self {

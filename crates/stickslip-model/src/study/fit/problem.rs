@@ -876,7 +876,10 @@ impl<'r> Problem<'r> {
                 let records = self.request.records.iter();
                 records.map(|record| record.times.clone()).collect()
             },
-            cost: self.cost_of_data(&best),
+            cost: match self.is_in_parts() {
+                true => self.cost_of_data(&best),
+                false => best.cost,
+            },
             mismatch: self.is_in_parts().then(|| self.largest_mismatch(&best)),
             freedom: best.at.values.len() - self.sought.len(),
             end: best.end,

@@ -75,7 +75,7 @@ pub(super) fn quantile(freedom: Option<usize>) -> f64 {
 pub(super) fn spread(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let count = values.clone().count().max(1) as f64;
     let mean = values.clone().sum::<f64>() / count;
-    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+    let squares: f64 = values.map(|value| (value - mean) * (value - mean)).sum();
     match (squares / count).sqrt() {
         spread if spread > 0.0 && spread.is_finite() => spread,
         _ => 1.0,
