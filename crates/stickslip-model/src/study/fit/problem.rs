@@ -493,8 +493,8 @@ impl<'r> Problem<'r> {
         let mut by: Vec<Variable> = (0..parameters.len() - extra)
             .map(|k| Variable::Start(system.states() + k))
             .collect();
-        for state in 0..system.states() {
-            let depends = !parameters.is_empty() && start[state].is_none();
+        for (state, given) in start.iter().enumerate() {
+            let depends = !parameters.is_empty() && given.is_none();
             let has_formula = free.states.get(state).is_some_and(|tape| tape.is_some());
             let is_discrete = system.dynamics().is_discrete(state);
             if is_fitted(Kind::State(state)) || depends && has_formula && !is_discrete {
