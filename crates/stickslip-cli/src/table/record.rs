@@ -72,8 +72,8 @@ pub fn parse_record(
     let time = match time {
         Some(time) => find(time)?,
         None => {
-            let is_time = |name: &&str| TIMES.contains(&&*name.to_lowercase());
-            names.iter().position(|name| is_time(&name)).unwrap_or(0)
+            let is_time = |name: &&str| TIMES.contains(&name.to_lowercase().as_str());
+            names.iter().position(is_time).unwrap_or(0)
         }
     };
     let columns = wanted.iter().map(|name| find(name));

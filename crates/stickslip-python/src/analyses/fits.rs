@@ -26,6 +26,10 @@ type RecordOf = (
 /// Fits unknowns, each a name, a start, two bounds and whether each record has its own, to records
 /// of observables, each a name, a formula and a deviation.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are those of a call from Python"
+)]
 pub(crate) fn fit<'py>(
     py: Python<'py>,
     system: &System,
