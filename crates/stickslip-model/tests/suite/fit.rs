@@ -120,7 +120,7 @@ fn value(found: &Fit, name: &str) -> f64 {
 }
 
 fn refused(request: &FitRequest) -> String {
-    fit(request).err().expect("it is refused").to_string()
+    fit(request).expect_err("it is refused").to_string()
 }
 
 #[test]
