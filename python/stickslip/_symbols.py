@@ -592,6 +592,60 @@ class Contact(Symbol):
         return Expression(text, _ATOM, self.parts | a.parts | b.parts)
 
 
+class Stop(Symbol):
+    """A stop: `gap` is never negative, by impacts and by a reaction while it is zero.
+
+    Impacts that accumulate come to rest. The reaction is the force that keeps the gap closed, and
+    the body lifts off where it vanishes.
+
+    Parameters
+    ----------
+    name : str
+        Name in formulas and results.
+    gap : Expression
+        Positive in flight, a position: its second derivative by time has the reaction in it.
+    acts : dict
+        What a unit of the reaction adds to the rates of states, as in ``{v: 1 / m}``.
+    restitution : float, Expression or function, optional
+        Part of the approach speed that an impact gives back, from 0 to 1. A function takes the
+        approach speed. Default 0.
+    """
+
+    __slots__ = ("gap", "acts", "restitution")
+
+    def __init__(
+        self,
+        name: str,
+        gap: Any,
+        acts: Mapping[State, Any],
+        restitution: Any = 0.0,
+    ) -> None:
+        super().__init__(name)
+        if not isinstance(acts, Mapping) or not acts:
+            raise TypeError(f"acts must be {{state: rate, …}}, not {acts!r}")
+        for state in acts:
+            if not isinstance(state, State):
+                raise TypeError(f"{state!r} is no state: the keys of acts are made by ss.states")
+        if callable(restitution):
+            restitution = restitution(Expression("approach", _ATOM, frozenset()))
+        self.gap = varying(gap, "the gap")
+        self.acts = {state: expression(value) for state, value in acts.items()}
+        self.restitution = expression(restitution)
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.gap, self.acts, self.restitution)
+
+    @property
+    def force(self) -> Expression:
+        """The reaction, 0 while the stop is open."""
+        return Expression(f"{self.name}.force", _ATOM, self.parts)
+
+    @property
+    def closed(self) -> Expression:
+        """1 while the stop carries, else 0."""
+        return Expression(f"{self.name}.closed", _ATOM, self.parts)
+
+
 class Switch(Symbol):
     """The sign of a function of time alone.
 

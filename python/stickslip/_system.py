@@ -19,6 +19,7 @@ from ._symbols import (
     Jump,
     Parameter,
     State,
+    Stop,
     Switch,
     expression,
     number,
@@ -40,6 +41,8 @@ class System:
         All contacts that occur in the rates.
     jumps : Jump or a sequence of them, optional
         Instantaneous changes of the state.
+    stops : Stop or a sequence of them, optional
+        Unilateral constraints with impacts. Each adds a discrete state, behind all others.
     start : dict or sequence, optional
         Start state, which may depend on parameters. Discrete states may be left out: they start at
         their own values. In a sequence they come last, sorted by name.
@@ -55,11 +58,16 @@ class System:
         *,
         contacts: Contact | Iterable[Contact] = (),
         jumps: Jump | Iterable[Jump] = (),
+        stops: Stop | Iterable[Stop] = (),
         start: Mapping[State, Any] | Sequence[Any] | None = None,
         period: Any = None,
         name: str = "system",
     ) -> None:
-        several = _all(contacts, Contact, "contacts"), _all(jumps, Jump, "jumps")
+        several = (
+            _all(contacts, Contact, "contacts"),
+            _all(jumps, Jump, "jumps"),
+            _all(stops, Stop, "stops"),
+        )
         text = _text(rates, several, start, period, str(name))
         self._set(str(name), text, {})
 
@@ -86,13 +94,13 @@ class System:
     def _check_symbols(self, formula: Expression) -> None:
         """Rejects symbols that the system has with another value or as something else."""
         parts = _parts([formula])
-        if any(isinstance(one, Contact) for one in parts):
-            # The engine rejects sides.
+        if any(isinstance(one, (Contact, Stop)) for one in parts):
+            # The engine rejects sides, and knows the stops.
             return
         if all(type(one) is State and one.text in self._core.states for one in parts):
             return
         rates: dict[State, Any] = {one: 0.0 for one in parts if isinstance(one, State)}
-        mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), ()), None, None, ""))
+        mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), (), ()), None, None, ""))
         text = tomllib.loads(self._text)
         kinds = ["definitions", "switches", "inputs", "parameters", "discrete", "states"]
         known = {name: kind for kind in kinds for name in text.get(kind, {})}
@@ -321,12 +329,12 @@ def _key(name: str) -> str:
 
 def _text(
     rates: Mapping[State, Any],
-    several: tuple[Sequence[Contact], Sequence[Jump]],
+    several: tuple[Sequence[Contact], Sequence[Jump], Sequence[Stop]],
     start: Mapping[State, Any] | Sequence[Any] | None,
     period: Any,
     name: str,
 ) -> str:
-    contacts, jumps = several
+    contacts, jumps, stops = several
     if not isinstance(rates, Mapping) or not rates:
         raise TypeError("rates must be {state: rate, …} with a rate for each state")
     for state in rates:
@@ -339,15 +347,19 @@ def _text(
     for jump in jumps:
         given += [jump.when, *jump.set.values()]
         given += [state for state in jump.set if isinstance(state, DiscreteState)]
-    discrete = {one for one in _parts([*given, *contacts]) if isinstance(one, DiscreteState)}
+    discrete = {one for one in _parts([*given, *contacts, *stops]) if isinstance(one, DiscreteState)}
     starts = _starts([*rates, *sorted(discrete, key=lambda one: one.name)], len(rates), start)
-    parts = _parts([*given, *starts.values(), *contacts])
+    parts = _parts([*given, *starts.values(), *contacts, *stops])
     unknown = [one for one in parts if isinstance(one, State) and one not in rates]
     if unknown:
         raise ValueError(f"the state {unknown[0].name} has no rate: add it to rates")
     missing = [one for one in parts if isinstance(one, Contact) and one not in set(contacts)]
     if missing:
         raise ValueError(f"the contact {missing[0].name} is not among contacts=[…]")
+
+    apart = [one for one in parts if isinstance(one, Stop) and one not in set(stops)]
+    if apart:
+        raise ValueError(f"the stop {apart[0].name} is not among stops=[…]")
 
     acting = _parts(field.values())
     for one in contacts:
@@ -390,6 +402,11 @@ def _text(
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}
             tables.append((f"jumps.{_key(jump.name)}.set", values))
+    for stop in stops:
+        title = f"stops.{_key(stop.name)}"
+        tables.append((title, {"gap": stop.gap, "restitution": stop.restitution}))
+        acts = {state.name: value for state, value in stop.acts.items()}
+        tables.append((f"{title}.acts", acts))
     tables.append(("field", field))
     tables.append(("start", starts))
     tables.append(("time", {} if whole is None else {"period": whole}))
@@ -488,6 +505,8 @@ def _inner(part: Any) -> list[Expression]:
     if isinstance(part, Contact):
         laws = [part.boundary, part.law, part.static, part.normal_force]
         return [law for law in laws if law is not None]
+    if isinstance(part, Stop):
+        return [part.gap, *part.acts, *part.acts.values(), part.restitution]
     if isinstance(part, Switch):
         return [part.function]
     if isinstance(part, DiscreteState):

@@ -129,6 +129,21 @@ pub enum Error {
         /// Which function, in words.
         what: &'static str,
     },
+    /// The state lies behind a stop, at a start or after a jump.
+    #[error(
+        "the gap of the stop {number} is {} at t = {t}, x = {x}, but must not be negative; start in \
+            front of the stop, or let no jump lead behind it", readable(*gap), t = readable(*t)
+    )]
+    BehindStop {
+        /// Number of the stop's impact, counted from the contacts through the jumps.
+        number: usize,
+        /// Its gap.
+        gap: f64,
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// The function of a jump or of a switch, or what a jump sets, is not a number.
     #[error(
         "{what} with number {number} is not a number at t = {t}, x = {x}; write it so that it is \
@@ -485,6 +500,7 @@ impl Error {
         match self {
             Error::StartOutsideDomain { t, x, .. }
             | Error::Undefined { t, x, .. }
+            | Error::BehindStop { t, x, .. }
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }
             | Error::NotLipschitz { t, x }

@@ -235,7 +235,25 @@ fn contacts(report: &mut Report, system: &System, start: Start<'_>) {
 
 fn jumps_and_inputs(report: &mut Report, system: &System) {
     let file = &system.file;
-    let jumps = file.jumps.iter().map(|jump| {
+    let stops = file.stops.iter().map(|stop| {
+        let acts = file.states.iter().zip(&stop.acts);
+        let acts = acts.filter_map(|(state, acts)| Some((&state.name, &acts.as_ref()?.text)));
+        let words: Vec<String> = acts
+            .clone()
+            .map(|(state, acts)| format!("{acts} to d{state}/dt"))
+            .collect();
+        let (name, gap, part) = (&stop.name, &stop.gap.text, &stop.restitution.text);
+        let line = format!(
+            "{name}: {gap} ≥ 0, restitution {part}; a unit of {name}.force adds {}",
+            words.join(", ")
+        );
+        let acts: Map<String, Value> = acts.map(|(of, acts)| (of.clone(), json!(acts))).collect();
+        let object = json!({ "name": name, "gap": gap, "acts": acts, "restitution": part });
+        (line, object)
+    });
+    report.list("stops", stops);
+    let jumps = file.jumps.iter().filter(|jump| jump.of_stop.is_none());
+    let jumps = jumps.map(|jump| {
         let states = file.states.iter().zip(&jump.set);
         let set = states.filter_map(|(state, to)| Some((&state.name, &to.as_ref()?.text)));
         let words: Vec<String> = set

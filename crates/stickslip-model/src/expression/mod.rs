@@ -12,6 +12,7 @@
 //! takes trees with all names resolved, shares common subexpressions and folds constants. A
 //! [`Tape`] is the graph in order of evaluation, with few registers.
 
+mod derivative;
 mod functions;
 mod graph;
 mod parse;
@@ -19,9 +20,10 @@ mod tape;
 mod token;
 mod tree;
 
+pub use derivative::Variable;
 pub use functions::{FUNCTIONS, Function};
 pub use graph::{Graph, Id, NotANumber};
-pub use parse::parse;
+pub use parse::{CHOICE, parse};
 pub use tape::{MOST_REGISTERS, Tape, TooLarge};
 pub use token::{begins_name, is_in_name, normal};
 pub use tree::{Binary, Expression, ExpressionKind};

@@ -3,12 +3,15 @@
 use std::ops::Range;
 
 use super::SyntaxError;
-use super::token::{Token, tokens};
+use super::token::{Comparison, Token, no_condition, tokens};
 use super::tree::{Binary, Expression, ExpressionKind};
 
 /// Most levels of nesting, so that recursion does not overflow the stack. It is chosen: formulas
 /// written by hand have far fewer.
 const MOST_NESTING: usize = 100;
+
+/// The function that chooses by a condition.
+pub const CHOICE: &str = "if";
 
 /// Parses a text into its tree.
 ///
@@ -35,6 +38,9 @@ pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
 
 /// Reports what follows a complete expression.
 fn left_over(before: &Expression, token: &Token, place: &Range<usize>) -> SyntaxError {
+    if let Token::Comparison(comparison) = token {
+        return no_condition(*comparison, place.clone());
+    }
     let error = SyntaxError::new(
         format!("{} is not expected here", token.description()),
         place.clone(),
@@ -176,7 +182,15 @@ impl<'a> Parser<'a> {
         let open = place.end..place.end + 1;
         let mut arguments = Vec::new();
         if self.take(&Token::Close).is_none() {
-            arguments.push(self.sum()?);
+            let first = self.sum()?;
+            let comparison = self.comparison().filter(|_| function == CHOICE);
+            match comparison {
+                Some(comparison) => {
+                    let second = self.sum()?;
+                    return self.choice((place, &open), [first, second], comparison);
+                }
+                None => arguments.push(first),
+            }
             while self.take(&Token::Comma).is_some() {
                 arguments.push(self.sum()?);
             }
@@ -193,6 +207,51 @@ impl<'a> Parser<'a> {
         })
     }
 
+    /// A comparison that comes next.
+    fn comparison(&mut self) -> Option<Comparison> {
+        match self.peek()? {
+            (Token::Comparison(comparison), _) => {
+                self.next += 1;
+                Some(*comparison)
+            }
+            _ => None,
+        }
+    }
+
+    /// The rest of a choice behind its condition: a call with the number that is positive where the
+    /// condition holds, the expression there, and the other.
+    fn choice(
+        &mut self,
+        (place, open): (&Range<usize>, &Range<usize>),
+        [first, second]: [Expression; 2],
+        comparison: Comparison,
+    ) -> Parsed {
+        let mut branches = Vec::new();
+        while self.take(&Token::Comma).is_some() {
+            branches.push(self.sum()?);
+        }
+        let end = self.close(open)?;
+        // Where equal numbers count, the opposite condition is asked for.
+        let (larger, smaller) = match comparison.is_larger != comparison.with_equal {
+            true => (first, second),
+            false => (second, first),
+        };
+        if comparison.with_equal {
+            branches.reverse();
+        }
+        let lead = joined(larger, vec![(Binary::Difference, smaller)]);
+        let arguments = std::iter::once(lead).chain(branches).collect();
+        let (function, place) = (CHOICE.to_owned(), place.clone());
+        Ok(Expression {
+            span: place.start..end,
+            kind: ExpressionKind::Call {
+                function,
+                place,
+                arguments,
+            },
+        })
+    }
+
     /// Reads the parenthesis that closes the one at `open` and returns its end.
     fn close(&mut self, open: &Range<usize>) -> Result<usize, SyntaxError> {
         if let Some(place) = self.take(&Token::Close) {
@@ -201,6 +260,9 @@ impl<'a> Parser<'a> {
         Err(match self.peek() {
             None => SyntaxError::new("this bracket is not closed", open.clone())
                 .help("it ends with `)`"),
+            Some((Token::Comparison(comparison), place)) => {
+                no_condition(*comparison, place.clone())
+            }
             Some((token, place)) => SyntaxError::new(
                 format!("{} is not expected here", token.description()),
                 place.clone(),

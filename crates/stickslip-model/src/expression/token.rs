@@ -19,6 +19,37 @@ pub(super) enum Token {
     Open,
     Close,
     Comma,
+    /// `<`, `>`, `<=` or `>=`, between the two sides of a condition.
+    Comparison(Comparison),
+}
+
+/// A comparison of two numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Comparison {
+    /// Whether the first is asked to be the larger.
+    pub is_larger: bool,
+    /// Whether equal numbers count.
+    pub with_equal: bool,
+}
+
+impl Comparison {
+    fn text(self) -> &'static str {
+        match (self.is_larger, self.with_equal) {
+            (false, false) => "<",
+            (true, false) => ">",
+            (false, true) => "<=",
+            (true, true) => ">=",
+        }
+    }
+}
+
+/// Reports a comparison outside a condition.
+pub(super) fn no_condition(comparison: Comparison, place: Range<usize>) -> SyntaxError {
+    let message = format!("`{}` does not belong into an expression", comparison.text());
+    SyntaxError::new(message, place).help(
+        "what differs from side to side of a contact is `by_side(contact, below, above)`; bounds \
+         are `min` and `max`; a choice at a jump is `if(a < b, then, else)`",
+    )
 }
 
 impl Token {
@@ -36,6 +67,7 @@ impl Token {
             Token::Open => "`(`".into(),
             Token::Close => "`)`".into(),
             Token::Comma => "`,`".into(),
+            Token::Comparison(comparison) => format!("`{}`", comparison.text()),
         }
     }
 }
@@ -68,7 +100,8 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
                 continue;
             }
             _ if c.is_ascii_digit() || c == '.' => number_length(rest),
-            _ if begins_name(c) => rest.find(|c| !is_in_name(c)).unwrap_or(rest.len()),
+            _ if begins_name(c) => dotted_length(rest),
+            '<' | '>' if rest[1..].starts_with('=') => 2,
             _ => c.len_utf8(),
         };
         let place = at..at + length;
@@ -97,13 +130,17 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
             '(' => Token::Open,
             ')' => Token::Close,
             ',' => Token::Comma,
+            '<' | '>' => Token::Comparison(Comparison {
+                is_larger: c == '>',
+                with_equal: length == 2,
+            }),
             _ => {
                 let help = match c {
                     '|' => Some(
                         "the magnitude of a slip speed is the contact's sign times the speed; an \
                         absolute value is `abs(…)`",
                     ),
-                    '<' | '>' | '=' | '?' | '!' | '&' => Some(
+                    '=' | '?' | '!' | '&' => Some(
                         "what differs from side to side of a contact is `by_side(contact, below, \
                             above)`; bounds are `min` and `max`",
                     ),
@@ -121,6 +158,18 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
         rest = after;
     }
     Ok(found)
+}
+
+/// Length of the name at the beginning of a text: one name, or the names of an entry and its part
+/// with a point between them.
+fn dotted_length(text: &str) -> usize {
+    let length = |text: &str| text.find(|c| !is_in_name(c)).unwrap_or(text.len());
+    let first = length(text);
+    let part = text[first..].strip_prefix('.');
+    match part.filter(|part| part.starts_with(begins_name)) {
+        Some(part) => first + 1 + length(part),
+        None => first,
+    }
 }
 
 /// Length of the number at the beginning of a text: digits, a point, an exponent.

@@ -7,10 +7,10 @@ use stickslip::error::readable;
 use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
 use super::names::Names;
 use super::problem::Problem;
-use super::{Formula, InputShape, Rate, SystemFile};
+use super::{Formula, InputShape, Rate, StopEvent, SystemFile};
 use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, Shape, Switching, pulse, sides_to_check,
+    Combination, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
 };
 
 /// The tapes of a system.
@@ -274,7 +274,38 @@ fn switching(
     let mut is_timed = false;
     let mut sets = Vec::with_capacity(file.jumps.len());
     let mut jumps = Vec::with_capacity(file.jumps.len());
+    let stops = match file.stops.is_empty() {
+        true => None,
+        false => Some(super::stops::built(file, inputs, graph)?),
+    };
     for entry in &file.jumps {
+        if let (Some(stops), Some((stop, event))) = (&stops, entry.of_stop) {
+            let when = stops.when(stop, event);
+            is_timed |= graph.depends_on_time(when);
+            let map = match event {
+                StopEvent::Impact => {
+                    sets.push(
+                        (0..file.states.len())
+                            .map(|state| graph.state(state))
+                            .collect(),
+                    );
+                    Map::Impact(stop)
+                }
+                StopEvent::LiftOff | StopEvent::Landing => {
+                    let set = &stops.set[stop][usize::from(event == StopEvent::Landing)];
+                    sets.push(set.clone());
+                    Map::Formulas(tape(file, graph, set, inputs)?)
+                }
+            };
+            jumps.push(Jump {
+                when: tape(file, graph, &[when], inputs)?,
+                direction: entry.direction,
+                set: map,
+                most: None,
+                of_stop: entry.of_stop,
+            });
+            continue;
+        }
         let scope = Scope::NoSides("a jump");
         let when = Builder::new(file, inputs, graph, scope).formula(&entry.when)?;
         if !graph.depends_on_state(when) && !graph.depends_on_time(when) {
@@ -285,7 +316,10 @@ fn switching(
         let mut set = Vec::with_capacity(entry.set.len());
         for (number, formula) in entry.set.iter().enumerate() {
             set.push(match formula {
-                Some(formula) => Builder::new(file, inputs, graph, scope).formula(formula)?,
+                Some(formula) => {
+                    let builder = Builder::new(file, inputs, graph, scope);
+                    builder.choosing().formula(formula)?
+                }
                 None => graph.state(number),
             });
         }
@@ -304,8 +338,9 @@ fn switching(
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
             direction: entry.direction,
-            set: tape(file, graph, &set, inputs)?,
+            set: Map::Formulas(tape(file, graph, &set, inputs)?),
             most: entry.most,
+            of_stop: None,
         });
         sets.push(set);
     }
@@ -356,6 +391,7 @@ fn switching(
     }
     let switching = Switching {
         jumps,
+        impacts: stops.map(|stops| stops.impacts),
         inputs: made,
         states: file.states.len() + inputs.count_free(),
         discrete: discrete(file, graph, &sets),
@@ -406,6 +442,9 @@ pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> O
 /// Whether no rate depends on the sides of two contacts, in slip or while contacts hold, so that
 /// frictions add.
 fn frictions_add(file: &SystemFile, values: &[f64], free: Freed) -> Result<bool, Problem> {
+    if !file.stops.is_empty() {
+        return Ok(false);
+    }
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
     let all = (1 << file.contacts.len()) - 1;
@@ -437,7 +476,7 @@ fn field(
     Ok((tape(file, &graph, &rates, inputs)?, is_timed))
 }
 
-fn tape(
+pub(super) fn tape(
     file: &SystemFile,
     graph: &Graph,
     roots: &[Id],

@@ -5,11 +5,11 @@ use std::ops::Range;
 use stickslip::error::readable;
 
 use super::formula::{not_finite, where_operands};
-use super::names::{FURTHER_FUNCTIONS, Meaning, did_you_mean, is_function};
+use super::names::{FURTHER_FUNCTIONS, LATER_FUNCTIONS, Meaning, did_you_mean, is_function};
 use super::problem::Problem;
 use super::{Formula, InputEntry, InputShape, SystemFile};
 use crate::expression::{
-    Binary, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
+    Binary, CHOICE, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
 };
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
@@ -104,6 +104,14 @@ impl<'a> Inputs<'a> {
             .position(|free| *free == parameter)
     }
 
+    /// A rate per scaled time as one per time of the file.
+    pub(super) fn in_file_time(&self, graph: &mut Graph, rate: Id) -> Result<Id, NotANumber> {
+        match self.pace {
+            None => Ok(rate),
+            Some(pace) => graph.binary(Binary::Quotient, rate, pace),
+        }
+    }
+
     /// Scope with another time scale.
     pub(super) fn paced(self, pace: Option<Id>) -> Self {
         Inputs { pace, ..self }
@@ -134,6 +142,12 @@ pub(super) struct Builder<'a> {
     scope: Scope,
     definitions: Vec<Progress>,
     frictions: Vec<Progress>,
+    /// The reactions of the stops, once they are known.
+    forces: Option<Vec<Id>>,
+    /// The speed of approach, in a restitution.
+    approach: Option<Id>,
+    /// Whether a choice may stand here.
+    chooses: bool,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
     /// Levels of nesting so far.
@@ -145,6 +159,7 @@ pub(super) struct Builder<'a> {
 const MOST_DEPTH: usize = 300;
 
 type BuildResult = Result<Id, Problem>;
+type BuildNumber = Result<Id, NotANumber>;
 
 impl<'a> Builder<'a> {
     pub(super) fn new(
@@ -160,9 +175,24 @@ impl<'a> Builder<'a> {
             scope,
             definitions: vec![Progress::NotYet; file.definitions.len()],
             frictions: vec![Progress::NotYet; file.contacts.len()],
+            forces: None,
+            approach: None,
+            chooses: false,
             sided: 0,
             depth: 0,
         }
+    }
+
+    /// A builder in whose expressions choices may stand, which are made once.
+    pub(super) fn choosing(mut self) -> Self {
+        self.chooses = true;
+        self
+    }
+
+    /// A builder in whose expressions `approach` is this speed.
+    pub(super) fn approached_at(mut self, speed: Id) -> Self {
+        self.approach = Some(speed);
+        self
     }
 
     /// Discards what has been built but keeps the record of used sides.
@@ -176,13 +206,34 @@ impl<'a> Builder<'a> {
         self.frictions[contact] != Progress::NotYet
     }
 
+    /// The rates with these reactions of the stops.
+    pub(super) fn field_with(&mut self, forces: &[Id]) -> Result<Vec<Id>, Problem> {
+        self.forget();
+        self.forces = Some(forces.to_vec());
+        self.field()
+    }
+
     /// The rates of all states, and of the parameters that are states.
     pub(super) fn field(&mut self) -> Result<Vec<Id>, Problem> {
+        let file = self.file;
+        let forces = match file.stops.is_empty() {
+            true => Vec::new(),
+            false => self.all_forces(0..0)?,
+        };
         let mut built = Vec::with_capacity(self.file.field.len() + 1);
         let is_above = matches!(self.scope, Scope::Sides(Combination { above: 1, .. }));
-        for rate in &self.file.field {
+        for (state, rate) in file.field.iter().enumerate() {
             let formula = rate.on_side(is_above);
-            let rate = self.formula(formula)?;
+            let mut rate = self.formula(formula)?;
+            for (stop, force) in file.stops.iter().zip(&forces) {
+                let Some(acts) = stop.acts.get(state).and_then(Option::as_ref) else {
+                    continue;
+                };
+                let part = self.formula(acts)?;
+                let part = self.graph.binary(Binary::Product, part, *force);
+                let sum = part.and_then(|part| self.graph.binary(Binary::Sum, rate, part));
+                rate = sum.map_err(|error| no_number(error, acts.whole()))?;
+            }
             built.push(self.in_time(rate, formula.whole())?);
         }
         for _ in 0..self.inputs.count_free() {
@@ -190,6 +241,34 @@ impl<'a> Builder<'a> {
             built.push(none.map_err(|error| no_number(error, 0..0))?);
         }
         Ok(built)
+    }
+
+    /// The reactions of all stops, in this combination of sides.
+    fn all_forces(&mut self, place: Range<usize>) -> Result<Vec<Id>, Problem> {
+        if let Some(forces) = &self.forces {
+            return Ok(forces.clone());
+        }
+        let forces = match self.scope {
+            Scope::Sides(of) => super::stops::reactions(self.file, self.inputs, self.graph, of)?,
+            // Both ends of a gap have the same reaction on every side, or it has no one value.
+            Scope::NoSides(_) | Scope::Constant(_) => {
+                let all = (1 << self.file.contacts.len()) - 1;
+                let mut on = |above| {
+                    let of = Combination { above, held: 0 };
+                    super::stops::reactions(self.file, self.inputs, self.graph, of)
+                };
+                let (below, above) = (on(0)?, on(all)?);
+                if below != above {
+                    let message = "the force of a stop depends here on the sides of contacts";
+                    return Err(Problem::new(message, place).help(
+                        "it can stand in [field], friction laws and the definitions that these use",
+                    ));
+                }
+                below
+            }
+        };
+        self.forces = Some(forces.clone());
+        Ok(forces)
     }
 
     /// Converts a rate, or a time, of the file to scaled time.
@@ -275,6 +354,9 @@ impl<'a> Builder<'a> {
     }
 
     fn name(&mut self, name: &str, place: Range<usize>) -> BuildResult {
+        if let Some(speed) = self.approach.filter(|_| name == "approach") {
+            return Ok(speed);
+        }
         let Some(meaning) = self.file.names.get(name) else {
             return Err(self.unknown(name, place));
         };
@@ -293,7 +375,10 @@ impl<'a> Builder<'a> {
                 let made = self.graph.constant(self.inputs.values[number]);
                 made.map_err(|error| no_number(error, place))
             }
-            (Meaning::Time | Meaning::State(_) | Meaning::Input(_), Scope::Constant(what)) => {
+            (
+                Meaning::Time | Meaning::State(_) | Meaning::Input(_) | Meaning::Force(_),
+                Scope::Constant(what),
+            ) => {
                 let message = format!(
                     "{what} cannot depend on `{name}`, which is {}",
                     meaning.description()
@@ -307,6 +392,14 @@ impl<'a> Builder<'a> {
             }
             (Meaning::State(number), _) => Ok(self.graph.state(number)),
             (Meaning::Input(number), _) => self.input(number, place),
+            (Meaning::Force(number), _) => Ok(self.all_forces(place)?[number]),
+            (Meaning::Stop(_), _) => Err(Problem::new(
+                format!("`{name}` is a stop and has no value"),
+                place,
+            )
+            .help(format!(
+                "`{name}.force` is its reaction, `{name}.closed` is 1 while it carries"
+            ))),
             (Meaning::Jump(_), _) => Err(Problem::new(
                 format!("`{name}` is a jump and has no value"),
                 place,
@@ -468,6 +561,10 @@ impl<'a> Builder<'a> {
                 }
                 return Ok(best);
             }
+            "asin" | "acos" | "log10" | "hypot" | "clamp" => {
+                return self.composed(formula, function, arguments, place);
+            }
+            CHOICE => return self.choice(formula, arguments, (name, place)),
             _ => {}
         }
         let Some(known) = Function::named(function) else {
@@ -485,6 +582,65 @@ impl<'a> Builder<'a> {
         let value = self.graph.call(known, id);
         let operands = [(of_operand(argument), id)];
         value.map_err(|error| self.not_finite(error, formula, place, &operands))
+    }
+
+    /// A function that others make up.
+    fn composed(
+        &mut self,
+        formula: &Formula,
+        function: &str,
+        arguments: &[Expression],
+        place: Range<usize>,
+    ) -> BuildResult {
+        let (wanted, count) = match function {
+            "hypot" => ("two arguments", 2),
+            "clamp" => ("a number, its lowest and its highest value", 3),
+            _ => ("one argument", 1),
+        };
+        if arguments.len() != count {
+            return Err(wrong_count(function, wanted, arguments.len(), place));
+        }
+        let mut ids = Vec::with_capacity(count);
+        for argument in arguments {
+            ids.push(self.expression(formula, argument)?);
+        }
+        let made = composed(self.graph, function, &ids);
+        let operands = arguments.iter().map(of_operand).zip(ids.iter().copied());
+        let operands: Vec<(Operand, Id)> = operands.collect();
+        made.map_err(|error| self.not_finite(error, formula, place, &operands))
+    }
+
+    /// One of two expressions, by the sign of a third.
+    fn choice(
+        &mut self,
+        formula: &Formula,
+        arguments: &[Expression],
+        (name, place): (Range<usize>, Range<usize>),
+    ) -> BuildResult {
+        if !self.chooses {
+            return Err(
+                Problem::new("a choice can stand only in what a jump sets", name).help(
+                    "in fields and laws what switches is a contact, by_side(contact, below, above), \
+                     a jump that sets a discrete state, or a switch",
+                ),
+            );
+        }
+        let [lead, yes, no] = arguments else {
+            let wanted = "a condition, the expression where it holds and the one elsewhere";
+            return Err(wrong_count(CHOICE, wanted, arguments.len(), place));
+        };
+        let lead = self.expression(formula, lead)?;
+        let (yes, no) = (
+            self.expression(formula, yes)?,
+            self.expression(formula, no)?,
+        );
+        let graph = &mut *self.graph;
+        let made = graph.where_positive(lead, yes).and_then(|yes| {
+            let other = graph.where_positive(lead, no)?;
+            let no = graph.binary(Binary::Difference, no, other)?;
+            graph.binary(Binary::Sum, yes, no)
+        });
+        made.map_err(|error| no_number(error, place))
     }
 
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -626,7 +782,8 @@ impl<'a> Builder<'a> {
         let all = FUNCTIONS
             .iter()
             .map(|(name, _)| *name)
-            .chain(FURTHER_FUNCTIONS);
+            .chain(FURTHER_FUNCTIONS)
+            .chain(LATER_FUNCTIONS);
         problem.help(match function {
             "sgn" | "sign" | "signum" => {
                 "friction is written by side: the name of a contact is the sign of its side; the \
@@ -638,13 +795,52 @@ impl<'a> Builder<'a> {
                  period = \"…\""
                     .to_owned()
             }
-            "log" => "the natural logarithm is ln; the decimal one is ln(…)/ln(10)".to_owned(),
+            "log" => "the natural logarithm is ln, the decimal one log10".to_owned(),
             "pow" => "a power is written x^2".to_owned(),
             _ => did_you_mean(function, all.clone()).unwrap_or_else(|| {
                 let all: Vec<&str> = all.collect();
                 format!("there are {}", all.join(", "))
             }),
         })
+    }
+}
+
+/// A function of numbers of a graph that others make up.
+fn composed(graph: &mut Graph, function: &str, of: &[Id]) -> BuildNumber {
+    let one = graph.constant(1.0)?;
+    match (function, of) {
+        ("asin" | "acos", &[x]) => {
+            // (1 − x)(1 + x) keeps its digits near both ends, where 1 − x² loses them.
+            let (below, above) = (
+                graph.binary(Binary::Difference, one, x)?,
+                graph.binary(Binary::Sum, one, x)?,
+            );
+            let square = graph.binary(Binary::Product, below, above)?;
+            let root = graph.call(Function::Sqrt, square)?;
+            let slope = graph.binary(Binary::Quotient, x, root)?;
+            let angle = graph.call(Function::Atan, slope)?;
+            if function == "asin" {
+                return Ok(angle);
+            }
+            let right = graph.constant(std::f64::consts::FRAC_PI_2)?;
+            graph.binary(Binary::Difference, right, angle)
+        }
+        ("log10", &[x]) => {
+            let (logarithm, ten) = (graph.call(Function::Ln, x)?, graph.constant(10.0)?);
+            let unit = graph.call(Function::Ln, ten)?;
+            graph.binary(Binary::Quotient, logarithm, unit)
+        }
+        ("hypot", &[x, y]) => {
+            let squares = [x, y].map(|one| graph.binary(Binary::Product, one, one));
+            let [x, y] = squares;
+            let sum = graph.binary(Binary::Sum, x?, y?)?;
+            graph.call(Function::Sqrt, sum)
+        }
+        (_, &[x, low, high]) => {
+            let raised = graph.larger(x, low)?;
+            graph.smaller(raised, high)
+        }
+        _ => graph.constant(f64::NAN),
     }
 }
 

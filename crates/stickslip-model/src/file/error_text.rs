@@ -55,7 +55,10 @@ pub trait Interface {
                 let is_held = accumulation.as_ref().is_none_or(|at| at.holds);
                 let is_jump = |&at: &usize| system.is_some_and(|system| at >= system.contacts());
                 let help = match !is_held && contacts.iter().any(is_jump) {
-                    true => "; jumps hold nothing: what comes to rest needs a contact there",
+                    true => {
+                        "; jumps hold nothing: what comes to rest needs a stop there, [stops.NAME], or a \
+                             contact"
+                    }
                     false => "",
                 };
                 format!(
@@ -85,6 +88,11 @@ pub trait Interface {
                     name(*number),
                     at(t, x)
                 )
+            }
+            Error::BehindStop { number, .. } => {
+                let numbered = format!("the stop {number} ");
+                let named = format!("the stop {} ", name(*number));
+                error.to_string().replacen(&numbered, &named, 1)
             }
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
             Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),

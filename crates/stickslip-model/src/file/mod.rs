@@ -38,6 +38,11 @@
 //! states. With `stop = true`, or `count = n`, the run ends there, or with the n-th jump.
 //! `[discrete]` lists states that change only in jumps, each with its start.
 //!
+//! `[stops.NAME]` describes a stop: `gap` is positive in flight, `acts` says what a unit of its
+//! reaction adds to the rates of states, and `restitution` which part of the approach speed an
+//! impact gives back. `NAME.force` is the reaction, and the discrete state `NAME.closed` is 1 while
+//! the stop carries.
+//!
 //! `[inputs.NAME]` describes a function of time alone by its `shape`. The shapes `square`,
 //! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse
 //! has a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`.
@@ -52,6 +57,7 @@ mod notation;
 mod observe;
 mod problem;
 mod read;
+mod stops;
 mod switching;
 mod system;
 mod table;
@@ -108,6 +114,8 @@ pub struct SystemFile {
     pub contacts: Vec<Contact>,
     /// Jumps, in the order of execution if several happen at one time.
     pub jumps: Vec<JumpEntry>,
+    /// Stops. The events of each are the last of the jumps.
+    pub stops: Vec<StopEntry>,
     /// Inputs that depend on time alone.
     pub inputs: Vec<InputEntry>,
     /// Rates of the states, in their order.
@@ -204,8 +212,38 @@ pub struct JumpEntry {
     pub set: Vec<Option<Formula>>,
     /// The run ends with this jump of the count.
     pub most: Option<u64>,
+    /// The stop that it is an event of, and which one.
+    pub of_stop: Option<(usize, StopEvent)>,
     /// Position in the file.
     pub place: Range<usize>,
+}
+
+/// A stop: a unilateral constraint of relative degree two with Newton's law of restitution.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StopEntry {
+    /// Name.
+    pub name: String,
+    /// The gap, positive in flight.
+    pub gap: Formula,
+    /// What a unit of the reaction adds to the rate of each state.
+    pub acts: Vec<Option<Formula>>,
+    /// Part of the approach speed that an impact gives back. `approach` in it is that speed.
+    pub restitution: Formula,
+    /// The discrete state that is 1 while the stop carries, else 0.
+    pub closed: usize,
+    /// Position in the file.
+    pub place: Range<usize>,
+}
+
+/// The events of a stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopEvent {
+    /// The gap closes.
+    Impact,
+    /// The reaction vanishes.
+    LiftOff,
+    /// Impacts have accumulated.
+    Landing,
 }
 
 /// An input that depends on time alone.

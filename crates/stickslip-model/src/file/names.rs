@@ -25,6 +25,10 @@ pub enum Meaning {
     Input(usize),
     /// A jump.
     Jump(usize),
+    /// A stop.
+    Stop(usize),
+    /// The force of a stop.
+    Force(usize),
 }
 
 impl Meaning {
@@ -38,6 +42,8 @@ impl Meaning {
             Meaning::Contact(_) => "a contact",
             Meaning::Input(_) => "an input",
             Meaning::Jump(_) => "a jump",
+            Meaning::Stop(_) => "a stop",
+            Meaning::Force(_) => "the force of a stop",
         }
     }
 }
@@ -115,6 +121,13 @@ impl Names {
         }
     }
 
+    /// Adds the name of a part of an entry, such as `floor.force`.
+    pub(super) fn add_part(&mut self, entry: &str, part: &str, meaning: Meaning) -> String {
+        let name = format!("{entry}.{part}");
+        self.known.insert(name.clone(), (meaning, 0..0));
+        name
+    }
+
     /// The meaning of a name.
     pub fn get(&self, name: &str) -> Option<Meaning> {
         self.known.get(&normal(name)).map(|&(meaning, _)| meaning)
@@ -127,6 +140,9 @@ impl Names {
         did_you_mean(name, known)
     }
 }
+
+/// Functions whose names may be those of states and others, too: files had such names before.
+pub(super) const LATER_FUNCTIONS: [&str; 6] = ["asin", "acos", "log10", "hypot", "clamp", "if"];
 
 pub(super) fn is_function(name: &str) -> bool {
     let plain = FUNCTIONS.iter().map(|(name, _)| *name);

@@ -7,14 +7,14 @@ use toml::de::DeTable;
 
 use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
-use super::switching;
 use super::table::{Entry, Table, listed};
 use super::{Contact, Formula, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
+use super::{stops, switching};
 use crate::expression::normal;
 use crate::kernel::{MOST_CONTACTS, MOST_STATES};
 
 /// The tables and entries of a file.
-const ENTRIES: [&str; 15] = [
+const ENTRIES: [&str; 16] = [
     "name",
     "description",
     "time",
@@ -24,6 +24,7 @@ const ENTRIES: [&str; 15] = [
     "contacts",
     "discrete",
     "jumps",
+    "stops",
     "inputs",
     "switches",
     "field",
@@ -46,9 +47,10 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     let contacts = contacts(&file, &mut names)?;
     let definitions = definitions(&file, &mut names)?;
     let continuous = states.len();
-    let discrete = switching::discrete(&file, &mut names, continuous)?;
+    let mut discrete = switching::discrete(&file, &mut names, continuous)?;
     let mut field = field(&file, (&states, &names), contacts.len())?;
     start(&file, &mut states, &names)?;
+    let stops = stops::read(&file, &mut names, &states, &mut discrete)?;
     states.extend(discrete);
     if states.len() > MOST_STATES {
         let message = format!("{} states, discrete ones among them", states.len());
@@ -59,11 +61,13 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     // Discrete states are constant between jumps.
     let none = || Rate::Same(Formula::number(0.0, 0..0));
     field.extend(states[continuous..].iter().map(|_| none()));
-    let jumps = switching::jumps(&file, &mut names, &states)?;
+    let mut jumps = switching::jumps(&file, &mut names, &states)?;
+    jumps.extend(stops::events(&stops, states.len()));
     let inputs = switching::inputs(source, &file, &mut names)?;
     ranges(&file, &mut states, &names)?;
     Ok(SystemFile {
         jumps,
+        stops,
         inputs,
         name: name.text()?.to_owned(),
         description: text(&file, "description")?,

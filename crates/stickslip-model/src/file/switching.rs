@@ -80,6 +80,7 @@ fn jump(
         direction: super::read::direction(table.get("direction"))?,
         set,
         most,
+        of_stop: None,
         place: table.place.clone(),
         name,
     })

@@ -309,12 +309,14 @@ impl System {
             for above in sides_to_check(self.contacts()) {
                 values.extend(self.field(Combination { above, held: 0 }, t, x));
             }
-            let extended = self.built.switching.extended(t, x);
-            for jump in &self.built.switching.jumps {
-                let mut behind = vec![0.0; extended.len()];
+            let switching = &self.built.switching;
+            let extended = switching.extended(t, x);
+            for (number, jump) in switching.jumps.iter().enumerate() {
+                let mut behind = extended.clone();
                 jump.when.evaluate(t, &extended, &mut behind[..1]);
                 values.push(behind[0]);
-                jump.set.evaluate(t, &extended, &mut behind);
+                behind.clone_from(&extended);
+                switching.after(number, t, &mut behind);
                 values.extend(behind);
             }
             values

@@ -53,6 +53,16 @@ impl System {
             let key = format!("`function` of [switches.{}]", input.name);
             return evaluation.first([(key, function)].into_iter());
         };
+        if let Some((stop, _)) = jump.of_stop {
+            let stop = &file.stops[stop];
+            let gap = (format!("`gap` of [stops.{}]", stop.name), &stop.gap);
+            return evaluation.first(std::iter::once(gap)).or_else(|| {
+                let name = &stop.name;
+                Some(format!(
+                    "`restitution` of [stops.{name}] is not between 0 and 1 there"
+                ))
+            });
+        }
         let key = |key: &str| format!("`{key}` of [jumps.{}]", jump.name);
         let set = jump
             .set

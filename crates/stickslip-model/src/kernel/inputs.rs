@@ -7,7 +7,9 @@ use stickslip::dynamics::Jumps;
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
+use super::impacts::Impacts;
 use crate::expression::Tape;
+use crate::file::StopEvent;
 
 /// Number of states that an input adds. They are constant from one kink to the next: a value, and a
 /// factor on its clock.
@@ -233,9 +235,20 @@ pub struct Jump {
     /// Direction of the sign change.
     pub direction: Direction,
     /// The states after the jump.
-    pub set: Tape,
+    pub set: Map,
     /// The run ends with this jump of the count.
     pub most: Option<u64>,
+    /// The stop that it is an event of, and which one.
+    pub of_stop: Option<(usize, StopEvent)>,
+}
+
+/// What a jump sets.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Map {
+    /// Expressions for the states.
+    Formulas(Tape),
+    /// The law of impact, for a stop that closes.
+    Impact(usize),
 }
 
 /// The jumps and inputs of a system.
@@ -243,6 +256,8 @@ pub struct Jump {
 pub struct Switching {
     /// The jumps.
     pub jumps: Vec<Jump>,
+    /// The law of impact, if there are stops.
+    pub impacts: Option<Impacts>,
     /// The inputs.
     pub inputs: Vec<Input>,
     /// Number of states before the numbers that inputs hold.
@@ -279,6 +294,28 @@ impl Switching {
             .collect()
     }
 
+    /// Replaces a state by that after a jump.
+    pub fn after<T: Scalar>(&self, jump: usize, t: T, x: &mut [T]) {
+        let jump = &self.jumps[jump];
+        let impacts = self.impacts.as_ref();
+        match &jump.set {
+            Map::Formulas(tape) => {
+                let before = x.to_vec();
+                tape.evaluate(t, &before, x);
+                // A jump of the file may move what a closed stop carries.
+                if let Some(impacts) = impacts.filter(|_| jump.of_stop.is_none()) {
+                    impacts.release(t, &before, x);
+                    impacts.settle(None, t, x);
+                }
+            }
+            Map::Impact(stop) => {
+                if let Some(impacts) = impacts {
+                    impacts.settle(Some(*stop), t, x);
+                }
+            }
+        }
+    }
+
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
         let place = self.states + HELD_PER_INPUT * input;
         let held = self.inputs[input].held(t, &x[..self.states]);
@@ -309,8 +346,31 @@ impl<const N: usize> Jumps<N> for Switching {
     #[inline(always)]
     fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N] {
         let mut out = *x;
-        self.jumps[jump].set.evaluate(t, x, &mut out);
+        self.after(jump, t, &mut out);
         out
+    }
+
+    fn is_searched(&self, jump: usize) -> bool {
+        !matches!(self.jumps[jump].of_stop, Some((_, StopEvent::Landing)))
+    }
+
+    fn rests(&self, jump: usize) -> Option<usize> {
+        let (stop, StopEvent::Impact) = self.jumps[jump].of_stop? else {
+            return None;
+        };
+        let landing = Some((stop, StopEvent::Landing));
+        self.jumps.iter().position(|jump| jump.of_stop == landing)
+    }
+
+    fn leaves_at_zero(&self, jump: usize, function: usize) -> bool {
+        match (self.jumps[jump].of_stop, self.jumps[function].of_stop) {
+            (Some((lifted, StopEvent::LiftOff)), Some((stop, StopEvent::Impact))) => lifted == stop,
+            _ => false,
+        }
+    }
+
+    fn is_never_negative(&self, jump: usize) -> bool {
+        matches!(self.jumps[jump].of_stop, Some((_, StopEvent::Impact)))
     }
 
     fn most(&self, jump: usize) -> Option<u64> {

@@ -1,6 +1,7 @@
 //! Systems defined at run time: their tapes and the library's solver for them.
 
 mod compiled;
+mod impacts;
 mod inputs;
 mod system;
 
@@ -13,7 +14,8 @@ use stickslip::dynamics::{
 use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use compiled::{Size, dynamics};
-pub use inputs::{HELD_PER_INPUT, Input, Jump, Piece, Shape, Switching, pulse};
+pub use impacts::Impacts;
+pub use inputs::{HELD_PER_INPUT, Input, Jump, Map, Piece, Shape, Switching, pulse};
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
 };

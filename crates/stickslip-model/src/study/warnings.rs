@@ -24,7 +24,9 @@ pub fn warnings(
             let negative = negative_at(system, contact, start);
             negative.or_else(|| warning_of_contact(system, contact, start))
         }));
-        let jumps = 0..system.file.jumps.len();
+        // A run starts at a stop or in front of it, or not at all.
+        let all = system.file.jumps.iter().enumerate();
+        let jumps = all.filter_map(|(jump, of)| of.of_stop.is_none().then_some(jump));
         warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
     }
     if let Some((contacts, x)) = system.dependent_boundaries() {
@@ -104,7 +106,8 @@ fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Opt
     let moved = other.iter_mut().take(x.len()).enumerate();
     moved.for_each(|(k, x)| *x += 1.0 / (1.0 + k as f64));
     let is_of_time = height(&other) == here;
-    jump.set.evaluate(t, &extended, &mut values);
+    values.clone_from(&extended);
+    switching.after(number, t, &mut values);
     if !is_past || is_of_time || values[..x.len()] == *x {
         return None;
     }

@@ -266,6 +266,7 @@ impl Carried<'_> {
         let here = at.moment();
         let velocity = velocity_in(system, at.from, &here);
         let end = SegmentEnd::of(system, at);
+        let mut rests = false;
         let (gradient, in_time) = match end.at_kink {
             Some((input, _)) => {
                 let (_, gradient, in_time) = system.clock(input, &here);
@@ -273,6 +274,7 @@ impl Carried<'_> {
             }
             None if end.is_of_jump => {
                 let reset = system.reset(at.contact, &here);
+                rests = reset.rests;
                 (reset.gradient, reset.in_time)
             }
             None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
@@ -281,7 +283,10 @@ impl Carried<'_> {
             // Where it would be another zero within the tolerance, or none.
             let [_, rate, bend, _] = system.flow(at.from, &here).guard_jet(end.guard, &here);
             let size = gradient.abs().dot(&here.x.abs()) + gradient.abs().sum();
-            rate * rate <= 2.0 * bend.abs() * self.tangent.tolerance() * size
+            // Impacts that come to rest are as short, but nothing else is near them.
+            let turns_back = rate * bend < 0.0;
+            (turns_back || !rests)
+                && rate * rate <= 2.0 * bend.abs() * self.tangent.tolerance() * size
         };
         let is_of_boundary = at.kind != TransitionKind::StickExit && end.at_kink.is_none();
         let jump = match at.kind {

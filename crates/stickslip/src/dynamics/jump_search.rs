@@ -9,7 +9,7 @@ use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
     Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, SearchMemory,
-    Switched, TIME_ROUNDING, Transition, TransitionKind,
+    Switched, TIME_ROUNDING, Transition, TransitionKind, gradient,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -122,7 +122,11 @@ where
             return Ok(None);
         }
         integration.end_at(t_end.min(kink));
-        integration.number_jumps_from(view.contacts);
+        let rests = (0..jumps.count()).filter_map(|jump| {
+            let next = jumps.rests(jump)?;
+            Some((view.contacts + jump, view.contacts + next))
+        });
+        integration.number_jumps_from(view.contacts, rests.collect());
         let is_prescribed = integration.is_prescribed();
         let count = if is_prescribed { 0 } else { jumps.count() };
         let functions = view.functions_of_jumps(count);
@@ -141,44 +145,105 @@ where
             is_prescribed,
         };
         jump_search.check(integration)?;
-        jump_search.find_due_at_start(integration);
+        jump_search.find_due_at_start(integration)?;
         Ok(Some(jump_search))
     }
 
     /// A jump whose function is zero at the start and goes in its direction there is due; otherwise
     /// the function stands at zero. Of one that depends on time alone, the run that ended there has
     /// carried the jump out.
-    fn find_due_at_start(&mut self, integration: &Integration<'a, S, N, G>) {
+    ///
+    /// # Errors
+    /// [`Error::BehindStop`].
+    fn find_due_at_start(&mut self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
         if integration.has_ended() {
-            return;
+            return Ok(());
         }
         let at = Timed {
             t: integration.t(),
             x: *integration.x(),
         };
         let velocity = integration.velocity();
-        let search = &mut self.search;
         for number in 0..self.counts.len() {
+            let search = &mut self.search;
             if !search.depends_on_state(number, &at, integration.states()) {
                 continue;
             }
             let sign = search.sign_at(number, &at);
-            if sign != 0.0 {
+            if sign < 0.0 && self.jumps.is_never_negative(number) {
+                self.check_gap(number, integration)?;
+            } else if sign != 0.0 {
                 search.set_side(number, sign);
                 continue;
             }
+            let search = &mut self.search;
             let rate = match search.sign_of_rate(number, &at, &velocity) {
                 0.0 => search.sign_of_departure(number, integration),
                 rate => rate,
             };
             if goes(self.jumps, number, rate) {
-                self.due.push_back(Due::at_once(number));
+                let due = self.closing(number, integration);
+                self.due.push_back(Due::at_once(due));
             } else {
-                search.stand_at_zero(number, 0.0, rate);
+                self.search.stand_at_zero(number, 0.0, rate);
             }
         }
         // A phase of zero length lies before it.
         self.has_jumped = self.is_due();
+        Ok(())
+    }
+
+    /// Whether a function that is never negative is zero within the tolerance of the state.
+    ///
+    /// # Errors
+    /// [`Error::BehindStop`].
+    fn check_gap(
+        &self,
+        number: usize,
+        integration: &Integration<'a, S, N, G>,
+    ) -> Result<(), Error> {
+        let (t, x) = (integration.t(), *integration.x());
+        let gap = self.jumps.when(number, t, components(&x));
+        if gap >= 0.0 {
+            return Ok(());
+        }
+        let least = -self
+            .search
+            .tolerated(number, &Timed { t, x }, integration.options());
+        match gap < least {
+            true => Err(Error::BehindStop {
+                number: self.contacts + number,
+                gap,
+                t,
+                x: Point::from(&x),
+            }),
+            false => Ok(()),
+        }
+    }
+
+    /// The jump that is due where the function of this one goes on from zero: the one that follows
+    /// its accumulation, if the rate is zero within the tolerance of the state.
+    fn closing(&self, number: usize, integration: &Integration<'a, S, N, G>) -> usize {
+        let Some(rest) = self.jumps.rests(number) else {
+            return number;
+        };
+        let (at, options) = (integration.at(), integration.options());
+        let value = |t, x: &_| self.jumps.when(rest, t, x);
+        let (slopes, _) = gradient(value, &at, integration.states());
+        let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+        let rate = self.jumps.when(rest, at.t, components(&at.x));
+        match rate.abs() <= slopes.abs().dot(&error) {
+            true => rest,
+            false => number,
+        }
+    }
+
+    /// The jumps that follow where others have accumulated.
+    pub(super) fn follow(&mut self, numbers: &[usize]) {
+        let due = numbers
+            .iter()
+            .map(|number| Due::at_once(number - self.contacts));
+        self.due = due.collect();
     }
 
     /// Takes every function as it is at the present state; one that is zero stands there.
@@ -201,9 +266,12 @@ where
         goes(self.jumps, number, sign)
     }
 
-    /// Whether the functions of all jumps are defined.
+    /// Whether the functions of all jumps are defined, and no gap is negative.
     fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
         let (t, x) = (integration.t(), integration.x());
+        for number in (0..self.counts.len()).filter(|&jump| self.jumps.is_never_negative(jump)) {
+            self.check_gap(number, integration)?;
+        }
         let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
         match (0..self.counts.len()).find(is_none) {
             Some(number) => Err(self.undefined("the function of the jump", number, (t, x))),
@@ -308,7 +376,8 @@ where
             return Ok(None);
         };
         if due.is_unresolved {
-            return Err(integration.pile_up_error());
+            integration.end_pile_up()?;
+            return Ok(None);
         }
         let number = due.number;
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
@@ -335,7 +404,7 @@ where
             {
                 integration.end_accumulation_of(self.contacts + number)?;
             }
-            self.detect_jumps(integration, [&before, &after], Some(number));
+            self.detect_jumps(integration, [&before, &after], Some(number))?;
         }
         Ok(Some(Transition {
             t,
@@ -396,7 +465,7 @@ where
         }
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
-        self.detect_jumps(integration, [&before, &after], None);
+        self.detect_jumps(integration, [&before, &after], None)?;
         self.due.make_contiguous().sort_by_key(|due| due.number);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
@@ -409,16 +478,27 @@ where
 
     /// Detects the jumps whose functions have passed through zero between two states of one
     /// instant. One that stands at zero has not left it.
+    ///
+    /// # Errors
+    /// [`Error::BehindStop`].
     fn detect_jumps(
         &mut self,
         integration: &Integration<'a, S, N, G>,
         [before, after]: [&State<N>; 2],
         but: Option<usize>,
-    ) {
+    ) -> Result<(), Error> {
         let t = integration.t();
         for number in 0..self.counts.len() {
             if Some(number) == but || self.due.iter().any(|due| due.number == number) {
                 continue;
+            }
+            if but.is_some_and(|jump| self.jumps.leaves_at_zero(jump, number)) {
+                let left = self.jumps.when(number, t, components(after)).abs();
+                self.search.stand_at_zero(number, left, 1.0);
+                continue;
+            }
+            if self.jumps.is_never_negative(number) {
+                self.check_gap(number, integration)?;
             }
             if self.search.stands_at_zero(number) {
                 let (left, side) = (self.search.left_of_zero(number), self.search.side(number));
@@ -428,8 +508,12 @@ where
                 let turns = self.search.stands_at_zero(number) && now != side;
                 // A rate may be rounding.
                 let departs = || self.search.sign_of_departure(number, integration);
-                if turns && self.goes(number, now) && departs() == now {
-                    self.due.push_back(Due::at_once(number));
+                let is_due = turns && self.goes(number, now) && departs() == now;
+                // Whatever has changed the motion, it must not lead behind a stop.
+                let falls = || self.jumps.is_never_negative(number) && departs() < 0.0;
+                if is_due || falls() {
+                    let due = self.closing(number, integration);
+                    self.due.push_back(Due::at_once(due));
                 }
                 continue;
             }
@@ -446,6 +530,7 @@ where
                 self.due.push_back(Due::at_once(number));
             }
         }
+        Ok(())
     }
 }
 

@@ -80,6 +80,31 @@ pub trait Jumps<const N: usize> {
         None
     }
 
+    /// Whether the search looks for the function's zeros. A jump that it does not look for follows
+    /// others: see [`Jumps::rests`].
+    fn is_searched(&self, _jump: usize) -> bool {
+        true
+    }
+
+    /// The jump that is carried out where occurrences of this one accumulate, such as an impact's
+    /// landing. Its function is the rate of this one's, so that it also follows where that is zero.
+    /// By default there is none, and a run that accumulates ends.
+    fn rests(&self, _jump: usize) -> Option<usize> {
+        None
+    }
+
+    /// Whether a jump leaves a function exactly at zero, from where it rises: a body that lifts off
+    /// leaves the gap of its stop so.
+    fn leaves_at_zero(&self, _jump: usize, _function: usize) -> bool {
+        false
+    }
+
+    /// Whether the function of a jump is never negative, such as the gap of a stop. No run starts
+    /// behind it.
+    fn is_never_negative(&self, _jump: usize) -> bool {
+        false
+    }
+
     /// Whether a component of the state takes discrete values, which jumps set. Tangent vectors
     /// have no component along it.
     fn is_discrete(&self, _state: usize) -> bool {
@@ -161,6 +186,8 @@ pub struct Reset {
     pub gradient: Vector,
     /// The time derivative of that function or clock.
     pub in_time: f64,
+    /// Whether another jump follows where occurrences of this one accumulate.
+    pub rests: bool,
 }
 
 /// The effect on tangent vectors of an input's kink at the end of a step. The time of the kink

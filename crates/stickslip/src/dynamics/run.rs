@@ -277,6 +277,9 @@ where
                     // All jumps on the way are part of the accumulation.
                     Some(jump_search) if self.integration.accumulates() => {
                         jump_search.begin_at(&self.integration);
+                        if let Some(landings) = self.integration.take_landing() {
+                            jump_search.follow(&landings);
+                        }
                     }
                     Some(jump_search) => jump_search.shorten_step(&mut self.integration)?,
                     None => {}

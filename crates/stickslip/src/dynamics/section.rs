@@ -49,7 +49,11 @@ where
 
     /// The functions of the first `count` jumps.
     pub(super) fn functions_of_jumps(&self, count: usize) -> TypedFunctions<'a, S, V, J, N, G> {
-        self.functions((0..count).map(FunctionKind::Jump).collect())
+        let kind = |jump: usize| match self.jumps.is_searched(jump) {
+            true => FunctionKind::Jump(jump),
+            false => FunctionKind::Never,
+        };
+        self.functions((0..count).map(kind).collect())
     }
 
     fn functions(&self, kinds: Vec<FunctionKind<N>>) -> TypedFunctions<'a, S, V, J, N, G> {
@@ -77,6 +81,8 @@ enum FunctionKind<const N: usize> {
     Turning,
     Own(usize),
     Jump(usize),
+    /// A function without a zero.
+    Never,
 }
 
 impl<S, V, J, const N: usize, const G: usize> EventFunctions<N>
@@ -107,6 +113,7 @@ where
             }
             FunctionKind::Own(own) => self.own.value(*own, t, x),
             FunctionKind::Jump(jump) => self.jumps.when(*jump, t, x),
+            FunctionKind::Never => T::one(),
         }
     }
 
@@ -114,7 +121,7 @@ where
         match &self.kinds[number] {
             FunctionKind::Plane(plane) => plane.direction,
             FunctionKind::Turning => Direction::Falling,
-            FunctionKind::Strobe(_) => Direction::Both,
+            FunctionKind::Strobe(_) | FunctionKind::Never => Direction::Both,
             FunctionKind::Own(own) => self.own.direction(*own),
             FunctionKind::Jump(jump) => self.jumps.direction(*jump),
         }
@@ -122,7 +129,7 @@ where
 
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
         match &self.kinds[number] {
-            FunctionKind::Plane(_) | FunctionKind::Turning => true,
+            FunctionKind::Plane(_) | FunctionKind::Turning | FunctionKind::Never => true,
             FunctionKind::Own(own) => self.own.is_as_smooth_as_state(*own),
             FunctionKind::Jump(jump) => self.jumps.is_as_smooth_as_state(*jump),
             FunctionKind::Strobe(_) => false,

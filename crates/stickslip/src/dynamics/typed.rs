@@ -277,6 +277,7 @@ where
             value: of.jumps.when(jump, t, components(&x)),
             gradient: of.vector(&gradient),
             in_time,
+            rests: of.jumps.rests(jump).is_some(),
         }
     }
 

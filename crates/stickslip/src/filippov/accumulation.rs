@@ -50,8 +50,18 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         &mut self,
         series: Option<GeometricSeries<N>>,
     ) -> Result<Due, Error> {
+        let rest = |series: &GeometricSeries<N>| {
+            let of = self.rests.iter();
+            let of = of.filter(|(jump, _)| series.contacts.contains(jump));
+            let next: Vec<usize> = of.map(|(_, next)| *next).collect();
+            (!next.is_empty()).then_some((series.at, next))
+        };
+        if let Some(landing) = series.as_ref().and_then(rest) {
+            self.landing = Some(landing);
+            return Ok(Due::Accumulation);
+        }
         let point = series.as_ref().and_then(|series| {
-            // Jumps hold nothing.
+            // Other jumps hold nothing.
             let contacts = series.contacts.iter().copied();
             let contacts: Vec<usize> = contacts.filter(|one| *one < self.contacts).collect();
             let run = &mut self.run;
@@ -88,7 +98,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
 
     /// Whether the last step leads to the point where transitions accumulate.
     pub(crate) fn accumulates(&self) -> bool {
-        self.sticking_point.is_some()
+        self.sticking_point.is_some() || self.landing.is_some()
     }
 
     /// The transition at the event after which the run goes to the accumulation point.
@@ -105,31 +115,35 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     /// The step to the accumulation point, or as far as the run goes.
     pub(super) fn step_to_accumulation(&mut self) -> Progress<N, S::Mode> {
         let from = self.run.at;
-        let Some(point) = &self.sticking_point else {
+        let sticking = self.sticking_point.as_ref();
+        let sticking = sticking.map(|point| (point.at, Some(point.contact)));
+        let landing = self.landing.as_ref().map(|(at, _)| (*at, None));
+        let Some((to, contact)) = sticking.or(landing) else {
             return Progress::End(self.summary(Ending::Failed));
         };
         let to = Timed {
-            t: point.at.t.max(from.t),
-            x: point.at.x,
+            t: to.t.max(from.t),
+            ..to
         };
         self.stepper.begin();
         self.run.dense = Dense::straight(&from, &to);
         self.run.counters.steps += 1;
         self.last_mode = self.mode;
         if to.t > self.run.t_end {
+            self.landing = None;
             let t = self.run.t_end;
             let x = self.run.dense.at_time(t);
             self.run.accept(Timed { t, x }, None);
             self.due = Due::PhaseEnd(Ending::EndTime);
             return Progress::Step;
         }
-        let event = Event {
-            guard: point.contact,
+        let event = contact.map(|guard| Event {
+            guard,
             at: to,
             is_touch: false,
             residual: 0.0,
-        };
-        self.run.accept(to, Some(&event));
+        });
+        self.run.accept(to, event.as_ref());
         self.due = Due::Event;
         Progress::Step
     }

@@ -64,6 +64,11 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) pile_up: PileUpDetector<N, S::Mode>,
     /// The point where transitions accumulate, while the run is on its way there.
     pub(super) sticking_point: Option<StickingPoint<S::Mode, S::Branch, N, G>>,
+    /// The jump that follows where jumps accumulate, with the number of each that has one.
+    pub(super) rests: Vec<(usize, usize)>,
+    /// The accumulation point of such jumps and those that follow there, while the run is on its
+    /// way.
+    pub(super) landing: Option<(Timed<N>, Vec<usize>)>,
     /// Recorded calls of the system's functions, if these are interpreted.
     pub(super) recordings: Recordings<S::Mode, S::Branch, N, G>,
     pub(super) due: Due,
@@ -195,6 +200,8 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             last_mode: mode,
             pile_up: PileUpDetector::new(inside, mode, S::of_contacts),
             sticking_point: None,
+            rests: Vec::new(),
+            landing: None,
             recordings: Recordings::default(),
             due: Due::Begin,
             is_ready: false,

@@ -3,7 +3,8 @@
 
 use super::integration::{Due, Integration};
 use super::observer::Transition;
-use super::pile_up::GeometricSeries;
+use super::options::Options;
+use super::pile_up::{GeometricSeries, PileUpDetector};
 use super::switched::{Next, Switched, UseFlow, Velocity};
 use super::taylor::MAX_GROWTH;
 use crate::error::Error;
@@ -36,6 +37,16 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         matches!(self.due, Due::PhaseEnd(_))
     }
 
+    /// The present moment.
+    pub(crate) fn at(&self) -> Timed<N> {
+        self.run.at
+    }
+
+    /// Options of the run.
+    pub(crate) fn options(&self) -> &Options {
+        &self.run.options
+    }
+
     /// Number of states of the system.
     pub(crate) fn states(&self) -> usize {
         self.run.states
@@ -52,8 +63,18 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     }
 
     /// Numbers jumps from here on: the system has so many contacts, and its type may have more.
-    pub(crate) fn number_jumps_from(&mut self, contacts: usize) {
+    /// `rests` pairs each jump that comes to rest where it accumulates with the jump that follows.
+    pub(crate) fn number_jumps_from(&mut self, contacts: usize, rests: Vec<(usize, usize)>) {
         self.contacts = contacts;
+        self.rests = rests;
+    }
+
+    /// Ends the step to an accumulation point of jumps, where others follow: their numbers.
+    pub(crate) fn take_landing(&mut self) -> Option<Vec<usize>> {
+        let (_, numbers) = self.landing.take()?;
+        self.due = Due::PhaseEnd(Ending::Stopped);
+        self.pile_up = PileUpDetector::new(&self.run.at, self.mode, S::of_contacts);
+        Some(numbers)
     }
 
     /// Continues from another state at the same time, or ends there. The mode is decided as at a
@@ -89,7 +110,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         }
         // A jump that recurs at the same time belongs to a pile-up.
         if self.pile_up.is_last(number, self.run.at.t) {
-            return Err(self.pile_up_error());
+            return self.end_pile_up();
         }
         match self.record_event(number, self.mode) {
             Err(Error::EventPileUp { .. }) if !self.pile_up.shrinks(&self.run.options) => {
@@ -171,11 +192,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         }
     }
 
-    /// The error for a pile-up of the last transitions.
-    pub(crate) fn pile_up_error(&self) -> Error {
-        let (at, options) = (&self.run.at, &self.run.options);
-        let series = self.pile_up.series();
-        self.pile_up.error(at, series.as_ref(), false, options)
+    /// Goes to the point where the last transitions accumulate.
+    ///
+    /// # Errors
+    /// [`Error::EventPileUp`] if nothing holds there.
+    pub(crate) fn end_pile_up(&mut self) -> Result<(), Error> {
+        self.due = self.resolve_pile_up(self.pile_up.series())?;
+        Ok(())
     }
 
     /// Begins a phase at the present state.

@@ -221,6 +221,10 @@ impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
     }
 }
 
+/// The errors of a run may add up to so many tolerances. Chosen: a state that stands closer behind
+/// a zero than this is taken for one at the zero.
+const TOLERATED: f64 = 100.0;
+
 /// The sign of a sum of parts of this size, beyond rounding.
 fn clear_sign(value: f64, size: f64) -> f64 {
     if value.abs() > STATE_ROUNDING * size {
@@ -283,6 +287,14 @@ where
         let (slopes, in_time) = self.slopes(number, at);
         let size = self.size.sup(&at.x.abs());
         clear_sign(value, slopes.abs().dot(&size) + in_time.abs() * at.t.abs())
+    }
+
+    /// How far from zero errors within the tolerance may move a function.
+    pub(crate) fn tolerated(&self, number: usize, at: &Timed<N>, options: &Options) -> f64 {
+        let (slopes, _) = self.slopes(number, at);
+        let size = self.size.sup(&at.x.abs());
+        let error = size.map(|size| options.atol + options.rtol * size);
+        TOLERATED * slopes.abs().dot(&error)
     }
 
     /// The sign of a function's rate where the state moves with this velocity.

@@ -1,0 +1,263 @@
+//! Derivatives of the numbers of a graph, as numbers of the same graph.
+
+use super::functions::Function;
+use super::graph::{Graph, Id, Node, NotANumber};
+use super::tree::Binary;
+
+/// An input of a graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Variable {
+    /// Time.
+    Time,
+    /// A component of the state, counted from 0.
+    State(usize),
+}
+
+impl Graph {
+    /// The derivative of a number along a direction: the sum of its partial derivatives, each times
+    /// the component of the direction along that input. `None` stands for zero, there and in the
+    /// result. Where an absolute value, a maximum or a minimum has a kink, it is the derivative of
+    /// neither side.
+    ///
+    /// # Errors
+    /// [`NotANumber`] if a constant part of it is not finite.
+    pub fn along(
+        &mut self,
+        root: Id,
+        direction: impl Fn(Variable) -> Option<Id>,
+    ) -> Result<Option<Id>, NotANumber> {
+        let is_used = self.used_by(&[root]);
+        let mut derivatives: Vec<Option<Id>> = vec![None; is_used.len()];
+        for (i, _) in is_used.iter().enumerate().filter(|(_, is_used)| **is_used) {
+            let of = |id: Id| derivatives[id.index()];
+            let found = match self.node(Id::of(i)) {
+                Node::Constant(_) => None,
+                Node::Input(0) => direction(Variable::Time),
+                Node::Input(k) => direction(Variable::State(usize::from(k) - 1)),
+                Node::Negative(a) => of(a).map(|da| self.negative(da)).transpose()?,
+                Node::Sum(a, b) => self.added(of(a), of(b))?,
+                Node::Difference(a, b) => self.less(of(a), of(b))?,
+                Node::Product(a, b) => {
+                    let (left, right) = (self.times(of(a), b)?, self.times(of(b), a)?);
+                    self.added(left, right)?
+                }
+                Node::Quotient(a, b) => {
+                    let moved = self.times(of(b), Id::of(i))?;
+                    let above = self.less(of(a), moved)?;
+                    let quotient = above.map(|above| self.binary(Binary::Quotient, above, b));
+                    quotient.transpose()?
+                }
+                Node::IntegerPower(a, n) => {
+                    let n = f64::from(n);
+                    self.power_rule(a, n, of(a))?
+                }
+                Node::RealPower(a, bits) => self.power_rule(a, f64::from_bits(bits), of(a))?,
+                Node::Call(function, a) => match of(a) {
+                    None => None,
+                    da => {
+                        let slope = self.slope(function, a, Id::of(i))?;
+                        self.times(da, slope)?
+                    }
+                },
+                Node::Larger(a, b) => self.chosen([a, b], [of(a), of(b)])?,
+                Node::Smaller(a, b) => self.chosen([b, a], [of(a), of(b)])?,
+                Node::WherePositive(condition, a) => {
+                    let there = of(a).map(|da| self.where_positive(condition, da));
+                    there.transpose()?
+                }
+            };
+            derivatives[i] = found;
+        }
+        Ok(derivatives[root.index()])
+    }
+
+    /// Whether a number is a smooth function of its inputs: without absolute values, bounds and
+    /// conditions.
+    pub fn is_smooth(&self, root: Id) -> bool {
+        let is_used = self.used_by(&[root]);
+        let mut used = (0..is_used.len()).filter(|&i| is_used[i]);
+        used.all(|i| {
+            !matches!(
+                self.node(Id::of(i)),
+                Node::Larger(..)
+                    | Node::Smaller(..)
+                    | Node::WherePositive(..)
+                    | Node::Call(Function::Abs, _)
+            )
+        })
+    }
+
+    fn added(&mut self, a: Option<Id>, b: Option<Id>) -> Result<Option<Id>, NotANumber> {
+        match (a, b) {
+            (Some(a), Some(b)) => self.binary(Binary::Sum, a, b).map(Some),
+            (one, other) => Ok(one.or(other)),
+        }
+    }
+
+    fn less(&mut self, a: Option<Id>, b: Option<Id>) -> Result<Option<Id>, NotANumber> {
+        match (a, b) {
+            (Some(a), Some(b)) => self.binary(Binary::Difference, a, b).map(Some),
+            (None, Some(b)) => self.negative(b).map(Some),
+            (a, None) => Ok(a),
+        }
+    }
+
+    /// A derivative, if there is one, times a factor.
+    fn times(&mut self, a: Option<Id>, factor: Id) -> Result<Option<Id>, NotANumber> {
+        let product = a.map(|a| self.binary(Binary::Product, a, factor));
+        let product = product.transpose()?;
+        Ok(product.filter(|product| self.value(*product) != Some(0.0)))
+    }
+
+    fn power_rule(
+        &mut self,
+        base: Id,
+        exponent: f64,
+        moved: Option<Id>,
+    ) -> Result<Option<Id>, NotANumber> {
+        if moved.is_none() {
+            return Ok(None);
+        }
+        let (factor, lower) = (self.constant(exponent)?, self.constant(exponent - 1.0)?);
+        let power = self.binary(Binary::Power, base, lower)?;
+        let slope = self.binary(Binary::Product, factor, power)?;
+        self.times(moved, slope)
+    }
+
+    /// The slope of a function of `a` whose value is `value`.
+    fn slope(&mut self, function: Function, a: Id, value: Id) -> Result<Id, NotANumber> {
+        let one = self.constant(1.0)?;
+        Ok(match function {
+            Function::Sin => self.call(Function::Cos, a)?,
+            Function::Cos => {
+                let sine = self.call(Function::Sin, a)?;
+                self.negative(sine)?
+            }
+            Function::Tan => {
+                let square = self.binary(Binary::Product, value, value)?;
+                self.binary(Binary::Sum, one, square)?
+            }
+            Function::Atan => {
+                let square = self.binary(Binary::Product, a, a)?;
+                let sum = self.binary(Binary::Sum, one, square)?;
+                self.binary(Binary::Quotient, one, sum)?
+            }
+            Function::Sinh => self.call(Function::Cosh, a)?,
+            Function::Cosh => self.call(Function::Sinh, a)?,
+            Function::Tanh => {
+                let square = self.binary(Binary::Product, value, value)?;
+                self.binary(Binary::Difference, one, square)?
+            }
+            Function::Exp => value,
+            Function::Ln => self.binary(Binary::Quotient, one, a)?,
+            Function::Sqrt => {
+                let half = self.constant(0.5)?;
+                self.binary(Binary::Quotient, half, value)?
+            }
+            Function::Abs => {
+                let opposite = self.negative(a)?;
+                let above = self.where_positive(a, one)?;
+                let below = self.where_positive(opposite, one)?;
+                self.binary(Binary::Difference, above, below)?
+            }
+        })
+    }
+
+    /// The derivative of the larger of two numbers, given as a difference of `larger` first.
+    fn chosen(
+        &mut self,
+        [first, second]: [Id; 2],
+        [by_a, by_b]: [Option<Id>; 2],
+    ) -> Result<Option<Id>, NotANumber> {
+        let lead = self.binary(Binary::Difference, first, second)?;
+        let behind = self.negative(lead)?;
+        let part = |graph: &mut Graph, condition: Id, of: Option<Id>| {
+            of.map(|of| graph.where_positive(condition, of)).transpose()
+        };
+        let (a, b) = (part(self, lead, by_a)?, part(self, behind, by_b)?);
+        self.added(a, b)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::expression::{ExpressionKind, Tape, parse};
+    use stickslip::scalar::Dual;
+
+    /// Adds an expression of `x`, `y` and `t` to a graph.
+    fn number(graph: &mut Graph, tree: &crate::expression::Expression) -> Id {
+        let built = match &tree.kind {
+            ExpressionKind::Number(value) => graph.constant(*value),
+            ExpressionKind::Name(name) => Ok(match name.as_str() {
+                "t" => graph.time(),
+                "x" => graph.state(0),
+                _ => graph.state(1),
+            }),
+            ExpressionKind::Negative(inner) => {
+                let inner = number(graph, inner);
+                graph.negative(inner)
+            }
+            ExpressionKind::Chain(first, rest) => {
+                let mut id = number(graph, first);
+                for (operator, operand) in rest {
+                    let next = number(graph, operand);
+                    id = graph.binary(*operator, id, next).expect("finite");
+                }
+                Ok(id)
+            }
+            ExpressionKind::Call {
+                function,
+                arguments,
+                ..
+            } => {
+                let ids: Vec<Id> = arguments.iter().map(|of| number(graph, of)).collect();
+                match function.as_str() {
+                    "max" => graph.larger(ids[0], ids[1]),
+                    "min" => graph.smaller(ids[0], ids[1]),
+                    "where" => graph.where_positive(ids[0], ids[1]),
+                    name => graph.call(Function::named(name).expect("known"), ids[0]),
+                }
+            }
+        };
+        built.expect("finite")
+    }
+
+    /// Derivatives as expressions are those of dual numbers, to rounding.
+    #[test]
+    fn agrees_with_dual_numbers() {
+        for text in [
+            "x*y - t^2*x + 3",
+            "sin(x*t)*cos(y) - tan(x/4)",
+            "exp(-x)*ln(2 + y^2) + sqrt(x^2 + t)",
+            "(x - y)/(1 + x^2*y^2) - 2/(t + 3)",
+            "atan(x*y)*sinh(x/3) + cosh(y/2)*tanh(x - t)",
+            "x^-3 + (1 + y^2)^1.7 - (2 + x)^y",
+            "max(x, y)*min(x*y, t) + abs(x - 2*y)",
+            "where(x - y, x^2) + where(y - x, y^3)",
+        ] {
+            let mut graph = Graph::new();
+            let root = number(&mut graph, &parse(text).expect("text"));
+            let (one, half) = (graph.constant(1.0).unwrap(), graph.constant(0.5).unwrap());
+            let direction = |of: Variable| match of {
+                Variable::Time => Some(half),
+                Variable::State(0) => Some(one),
+                Variable::State(_) => None,
+            };
+            let derivative = graph.along(root, direction).expect("finite").expect("some");
+            let tape = Tape::new(&graph, &[root, derivative], 2).expect("short");
+            for (t, x, y) in [(0.3, 0.7, 1.1), (1.2, 1.9, 0.4), (2.0, 0.2, 0.9)] {
+                let mut plain = [0.0; 2];
+                tape.evaluate(t, &[x, y], &mut plain);
+                let mut dual = [Dual::new(0.0, 0.0); 1];
+                let at = [Dual::new(x, 1.0), Dual::new(y, 0.0)];
+                tape.evaluate(Dual::new(t, 0.5), &at, &mut dual);
+                let error = (plain[1] - dual[0].eps).abs();
+                assert!(
+                    error < 1e-13 * (1.0 + dual[0].eps.abs()),
+                    "{text}: {plain:?} {dual:?}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,527 @@
+//! Stops: impacts, rest, reactions and lift-off, against closed forms and 25-digit references.
+
+use std::f64::consts::PI;
+
+use numerics::SplitMix;
+use stickslip::{Ending, Error, math};
+use stickslip_model::study::Variables;
+
+use super::run::{METHODS, Run, options, orbit, parsed, real_multipliers, system, with};
+
+/// A ball on a floor, with the integral of its squared speed.
+const BALL: &str = r#"name = "Ball"
+[states]
+h = ""
+v = ""
+s = ""
+[parameters]
+g = 1
+e = 0.5
+[field]
+h = "v"
+v = "-g"
+s = "v^2"
+[stops.floor]
+gap = "h"
+acts = { v = 1 }
+restitution = "e"
+[start]
+h = 1
+v = 0
+s = 0
+[time]
+end = 40
+"#;
+
+/// A ball on a table that shakes; the table throws it where `A sin t = g`.
+const TABLE: &str = r#"name = "Ball on a shaken table"
+[states]
+h = ""
+v = ""
+[parameters]
+A = 1.5
+e = 0.5
+[field]
+h = "v"
+v = "-1"
+[stops.table]
+gap = "h - A*sin(t)"
+acts = { v = 1 }
+restitution = "e"
+[start]
+h = 0
+v = "A"
+[time]
+end = 20
+period = "2*pi"
+"#;
+
+/// A rod of length 2 and mass 1 falls on its tip, with friction that follows the reaction.
+const ROD: &str = r#"name = "Falling rod"
+[states]
+x = ""
+y = ""
+th = ""
+u = ""
+w = ""
+om = ""
+[parameters]
+mu = 0.3
+g = 9.81
+[contacts.tip]
+boundary = "u + om*sin(th)"
+friction = "mu*floor.force"
+[stops.floor]
+gap = "y - sin(th)"
+acts = { w = 1, om = "-3*cos(th)" }
+restitution = 0
+[jumps.flat]
+when = "th - 0.1"
+direction = "falling"
+stop = true
+[field]
+x = "u"
+y = "w"
+th = "om"
+u = "-friction(tip)"
+w = "-g"
+om = "-3*friction(tip)*sin(th)"
+[start]
+x = 0
+y = "sin(1.4)"
+th = 1.4
+u = 0
+w = 0
+om = 0
+[time]
+end = 3
+"#;
+
+/// Times of the events of one name.
+fn times(run: &Run, name: &str) -> Vec<f64> {
+    let all = run.transitions.iter();
+    all.filter(|(_, _, of)| of == name)
+        .map(|(t, ..)| *t)
+        .collect()
+}
+
+fn close(found: f64, exact: f64, within: f64, what: &str) {
+    assert!(
+        (found - exact).abs() <= within,
+        "{what}: {found}, exactly {exact}"
+    );
+}
+
+#[test]
+fn a_ball_comes_to_rest_where_its_impacts_accumulate() {
+    let fall = 2.0_f64.sqrt();
+    for method in METHODS {
+        for e in [0.2, 0.5, 0.9] {
+            let run = Run::of(with(BALL, &[("e", e)]), &options(method), None);
+            assert_eq!(run.ending(), Ending::EndTime);
+            let landings = times(&run, "floor.landing");
+            let exact = fall * (1.0 + e) / (1.0 - e);
+            assert_eq!(landings.len(), 1, "{method}, {e}");
+            close(landings[0], exact, 1e-12 * exact, method);
+            let state = ["h", "v", "floor.closed"].map(|name| run.end(name));
+            assert_eq!(state, [0.0, 0.0, 1.0], "{method}, {e}");
+            // Of each flight between two impacts, 2 v³/3 of the integral.
+            let cubes = math::powi(e, 3);
+            let exact = math::powi(fall, 3) / 3.0 * (1.0 + 2.0 * cubes / (1.0 - cubes));
+            close(run.end("s"), exact, 1e-11, method);
+        }
+    }
+}
+
+#[test]
+fn a_plastic_impact_and_a_start_at_rest_close_at_once() {
+    for method in METHODS {
+        let run = Run::of(with(BALL, &[("e", 0.0)]), &options(method), None);
+        let names: Vec<&str> = run.transitions.iter().map(|(.., of)| of.as_str()).collect();
+        assert_eq!(names, ["floor.impact"], "{method}");
+        assert_eq!(
+            [run.end("h"), run.end("v"), run.end("floor.closed")],
+            [0.0, 0.0, 1.0]
+        );
+        // At rest, or nearly: rounding is all that is left of a run before.
+        for small in [0.0, 1e-17, -1e-17] {
+            let start = (0.0, vec![small, -small, 0.0, 0.0]);
+            let run = Run::from(system(BALL), &options(method), (start, 5.0));
+            let names: Vec<&str> = run.transitions.iter().map(|(.., of)| of.as_str()).collect();
+            assert_eq!(names, ["floor.landing"], "{method}");
+            close(run.end("h"), 0.0, 1e-15, method);
+            assert_eq!(run.end("floor.closed"), 1.0);
+        }
+    }
+}
+
+#[test]
+fn no_run_starts_behind_a_stop() {
+    let start = (0.0, vec![-0.25, 1.0, 0.0, 0.0]);
+    let run = Run::from(system(BALL), &options("taylor"), (start, 5.0));
+    assert!(matches!(
+        run.ended,
+        Err(Error::BehindStop { gap: -0.25, .. })
+    ));
+    let words = run.words();
+    assert!(
+        words.contains("the gap of the stop `floor.impact` is -0.25 at t = 0"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_shaken_table_throws_a_ball_again_and_again() {
+    const THROW: f64 = 0.729_727_656_226_966_4;
+    const REST: f64 = 5.900_110_844_260_1;
+    for method in METHODS {
+        let run = Run::of(system(TABLE), &options(method), Some(200.0 * PI));
+        let (thrown, landed) = (times(&run, "table.lift-off"), times(&run, "table.landing"));
+        assert_eq!(thrown.len(), 100, "{method}");
+        for (number, (thrown, landed)) in thrown.iter().zip(&landed).enumerate() {
+            let periods = 2.0 * PI * number as f64;
+            close(*thrown - periods, THROW, 1e-12 * (1.0 + periods), method);
+            // The time of an accumulation is extrapolated, by Aitken's rule. Its ratio varies here,
+            // and rounding of time moves an impact by as much over its speed.
+            close(*landed - periods, REST, 2e-9 * (1.0 + periods), method);
+        }
+    }
+}
+
+#[test]
+fn chatter_annihilates_gap_and_rate() {
+    let text = TABLE.replace("A = 1.5", "A = 1.2");
+    let found = orbit(&system(&text), &options("taylor"));
+    close(found.period, 2.0 * PI, 1e-9, "period");
+    let multipliers = real_multipliers(&found);
+    assert!(
+        multipliers.iter().all(|m| m.abs() < 1e-6),
+        "{multipliers:?}"
+    );
+}
+
+#[test]
+fn derivatives_pass_impacts_that_accumulate() {
+    let system = system(BALL);
+    let variables = Variables::named(&system, ["e", "g", "h"]).unwrap();
+    for method in METHODS {
+        let start = system.start().unwrap();
+        let of = ((0.0, &start[..]), 10.0);
+        let found = variables.along(&system, of, (&[10.0], &[]), &options(method));
+        let found = found.unwrap();
+        assert!(found.lost.is_none(), "{:?}", found.lost);
+        let e: f64 = 0.5;
+        let cubes = math::powi(e, 3);
+        // The integral is V³/(3 g) (1 + 2 e³/(1 − e³)), with V² = 2 g h.
+        let (speed, sum) = (2.0_f64.sqrt(), 1.0 + 2.0 * cubes / (1.0 - cubes));
+        let scale = math::powi(speed, 3) / 3.0;
+        let exact = [
+            scale * 6.0 * e * e / math::powi(1.0 - cubes, 2),
+            0.5 * scale * sum,
+            1.5 * scale * sum,
+        ];
+        for (column, exact) in exact.into_iter().enumerate() {
+            close(found.states[0][(2, column)], exact, 1e-7, method);
+            close(found.states[0][(0, column)], 0.0, 1e-7, method);
+            close(found.states[0][(1, column)], 0.0, 1e-7, method);
+        }
+    }
+}
+
+#[test]
+fn a_restitution_depends_on_the_approach() {
+    let text = BALL.replace("\"e\"", "\"exp(-approach)\"");
+    for method in METHODS {
+        let speed = 2.0_f64.sqrt();
+        let run = Run::of(system(&text), &options(method), Some(speed + 1e-3));
+        close(
+            run.end("v"),
+            speed * math::exp(-speed) - 1e-3,
+            1e-13,
+            method,
+        );
+    }
+    let run = Run::of(
+        system(&BALL.replace("\"e\"", "\"approach\"")),
+        &options("taylor"),
+        None,
+    );
+    let words = run.words();
+    assert!(
+        words.contains("`restitution` of [stops.floor] is not between 0 and 1"),
+        "{words}"
+    );
+}
+
+/// Three balls of mass 1 on a line, the first with speed 1.
+fn balls(gap: f64) -> String {
+    format!(
+        r#"name = "balls"
+[states]
+x = ""
+y = ""
+z = ""
+u = ""
+v = ""
+w = ""
+[field]
+x = "u"
+y = "v"
+z = "w"
+u = 0
+v = 0
+w = 0
+[stops.left]
+gap = "y - x"
+acts = {{ u = -1, v = 1 }}
+restitution = 1
+[stops.right]
+gap = "z - y"
+acts = {{ v = -1, w = 1 }}
+restitution = 1
+[start]
+x = 0
+y = {gap}
+z = "2*{gap}"
+u = 1
+v = 0
+w = 0
+[time]
+end = 1
+"#
+    )
+}
+
+#[test]
+fn newtons_rule_holds_where_several_stops_touch() {
+    for method in METHODS {
+        let speeds = |gap: f64| {
+            let run = Run::of(system(&balls(gap)), &options(method), None);
+            ["u", "v", "w"].map(|name| run.end(name))
+        };
+        let touching = [-1.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0];
+        for (found, exact) in speeds(0.0).into_iter().zip(touching) {
+            close(found, exact, 1e-15, method);
+        }
+        for (found, exact) in speeds(1e-9).into_iter().zip([0.0, 0.0, 1.0]) {
+            close(found, exact, 1e-15, method);
+        }
+    }
+}
+
+#[test]
+fn friction_follows_the_reaction_of_a_table() {
+    // The normal force is g − A sin t, so that the speed is v₀ − μ (g t + A (cos t − 1)).
+    let text = r#"name = "block"
+[states]
+x = ""
+v = ""
+h = ""
+u = ""
+[parameters]
+A = 0.6
+mu = 0.1
+[contacts.base]
+boundary = "v"
+friction = "mu*table.force"
+[stops.table]
+gap = "h - A*sin(t)"
+acts = { u = 1 }
+restitution = 0
+[field]
+x = "v"
+v = "-friction(base)"
+h = "u"
+u = "-1"
+[start]
+x = 0
+v = 1
+h = 0
+u = "A"
+[time]
+end = 8
+"#;
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        let exact = 1.0 - 0.1 * (8.0 + 0.6 * (math::cos(8.0) - 1.0));
+        close(run.end("v"), exact, 1e-11, method);
+        close(run.end("h"), 0.6 * math::sin(8.0), 1e-11, method);
+        let run = Run::of(system(text), &options(method), Some(20.0));
+        let entry = run
+            .transitions
+            .iter()
+            .find(|(_, kind, _)| *kind == "stick entry");
+        let (t, ..) = entry.expect("it stops");
+        close(
+            1.0 - 0.1 * (t + 0.6 * (math::cos(*t) - 1.0)),
+            0.0,
+            1e-11,
+            method,
+        );
+        assert_eq!(run.end("v"), 0.0);
+    }
+}
+
+#[test]
+fn a_rod_falls_on_its_tip_with_friction() {
+    for method in METHODS {
+        let run = Run::of(system(ROD), &options(method), None);
+        assert_eq!(run.ending(), Ending::Stopped, "{:?}", run.transitions);
+        let changes: Vec<f64> = run
+            .transitions
+            .iter()
+            .filter(|(t, _, name)| name == "tip" && *t > 0.0)
+            .map(|(t, ..)| *t)
+            .collect();
+        close(changes[0], 0.568_937_216_180_9, 1e-9, method);
+        close(changes[1], 0.894_134_747_020_7, 1e-9, method);
+        close(
+            run.ended.as_ref().unwrap().t,
+            1.064_408_995_112_0,
+            1e-9,
+            method,
+        );
+    }
+}
+
+/// The pressure relief valve of the benchmark of event-driven ensembles.
+#[test]
+fn a_valve_chatters_to_its_seat_and_lifts_off() {
+    let text = r#"name = "valve"
+[states]
+y = ""
+v = ""
+p = ""
+[parameters]
+q = 0.2
+[stops.seat]
+gap = "y"
+acts = { v = 1 }
+restitution = 0.8
+[field]
+y = "v"
+v = "-1.25*v - (y + 10) + p"
+p = "20*(q - y*sqrt(p))"
+[start]
+y = 0.2
+v = 0
+p = 1e-300
+[time]
+end = 3
+"#;
+    let run = Run::of(system(text), &options("dop853"), None);
+    let (rest, lift) = (times(&run, "seat.landing"), times(&run, "seat.lift-off"));
+    close(rest[0], 1.602_522_1, 1e-6, "rest");
+    close(lift[0], 2.765_040_5, 1e-6, "lift-off");
+}
+
+#[test]
+fn gaps_stay_open_and_energy_never_rises() {
+    let mut random = SplitMix::new(67);
+    let mut draw = |low: f64, high: f64| random.between(low, high);
+    for number in 0..30 {
+        // Two masses hang on springs between a floor and each other.
+        let (m, e, k) = (draw(0.5, 2.0), draw(0.0, 0.95), draw(0.5, 3.0));
+        let (x, y) = (draw(0.1, 0.5), draw(0.6, 1.5));
+        let (u, v) = (draw(-1.0, 1.0), draw(-1.0, 1.0));
+        let text = format!(
+            r#"name = "masses"
+[states]
+x = ""
+y = ""
+u = ""
+v = ""
+[stops.floor]
+gap = "x"
+acts = {{ u = 1 }}
+restitution = {e}
+[stops.between]
+gap = "y - x"
+acts = {{ u = -1, v = "1/{m}" }}
+restitution = {e}
+[field]
+x = "u"
+y = "v"
+u = "-1 - 0.1*u"
+v = "-1 - {k}*(y - 1)/{m}"
+[start]
+x = {x}
+y = {y}
+u = {u}
+v = {v}
+[time]
+end = 12
+"#
+        );
+        for method in METHODS {
+            let energy = |x: f64, y: f64, u: f64, v: f64| {
+                0.5 * (u * u + m * v * v) + x + m * y + 0.5 * k * (y - 1.0) * (y - 1.0)
+            };
+            let (mut before, mut least) = (energy(x, y, u, v), f64::INFINITY);
+            for part in 1..=24 {
+                let run = Run::of(system(&text), &options(method), Some(0.5 * f64::from(part)));
+                if let Err(error) = &run.ended {
+                    panic!("{method}, {number}: {error}\n{text}");
+                }
+                let [x, y, u, v] = ["x", "y", "u", "v"].map(|name| run.end(name));
+                least = least.min(x).min(y - x);
+                let now = energy(x, y, u, v);
+                assert!(
+                    now <= before + 1e-10,
+                    "{method}, {number}: {before} to {now}\n{text}"
+                );
+                before = now;
+            }
+            assert!(least >= -1e-11, "{method}, {number}: {least}\n{text}");
+        }
+    }
+}
+
+/// What is replaced in the ball, and by what; a part of the message.
+const WRONG: [[&str; 3]; 10] = [
+    ["gap = \"h\"", "gap = \"v\"", "acts on its gap's rate"],
+    ["gap = \"h\"", "gap = \"abs(h)\"", "is not smooth in time"],
+    [
+        "acts = { v = 1 }",
+        "acts = { s = 1 }",
+        "does not move its gap",
+    ],
+    ["acts = { v = 1 }", "acts = { v = -1 }", "but must open it"],
+    [
+        "acts = { v = 1 }",
+        "acts = { w = 1 }",
+        "there is no state `w`",
+    ],
+    ["acts = { v = 1 }\n", "", "has no `acts`"],
+    [
+        "restitution = \"e\"",
+        "restitution = 1.5",
+        "the restitution 1.5 is not between 0 and 1",
+    ],
+    ["restitution = \"e\"", "bounce = 1", "has no entry `bounce`"],
+    [
+        "v = \"-g\"",
+        "v = \"-g + floor\"",
+        "`floor` is a stop and has no value",
+    ],
+    [
+        "v = \"-g\"",
+        "v = \"-g*(1 + floor.force^2)\"",
+        "is not linear in a reaction",
+    ],
+];
+
+#[test]
+fn what_is_wrong_with_a_stop_is_told_where_it_is_written() {
+    parsed(BALL);
+    for [before, after, message] in WRONG {
+        let text = BALL.replace(before, after);
+        assert_ne!(text, BALL);
+        let source = stickslip_model::file::Source {
+            name: "ball.toml".to_owned(),
+            text,
+        };
+        let error = stickslip_model::file::SystemFile::parse(source).unwrap_err();
+        assert!(error.to_string().contains(message), "{after}: {error}");
+    }
+}
