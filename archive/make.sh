@@ -10,7 +10,7 @@ version=$(sed -n '/workspace.package/,/^$/s/^version = "\(.*\)"/\1/p' Cargo.toml
 date=$(git log -1 --format=%cs)
 name=stickslip-replication-$version
 folder=target/archive/$name
-rm -rf "$folder"
+rm -rf "$folder" target/archive/home
 mkdir -p "$folder/.cargo" dist
 git ls-files -z | tar --null -T - -cf - | tar -xf - -C "$folder"
 archive/provenance.sh > "$folder/report/provenance.json"
@@ -18,7 +18,11 @@ sed -e "s/@VERSION@/$version/" -e "s/@DATE@/$date/" archive/ro-crate-metadata.js
     > "$folder/ro-crate-metadata.json"
 (
     cd "$folder"
-    ${CARGO:-cargo} vendor --locked --quiet vendor > .cargo/config.toml
+    # With --quiet, cargo does not print the configuration that leads to the crates.
+    ${CARGO:-cargo} vendor --locked vendor > .cargo/config.toml
+    # All crates must be found without a network and without the crates of this machine.
+    CARGO_HOME="$PWD/../home" ${CARGO:-cargo} metadata --locked --offline --format-version 1 \
+        > /dev/null
     find . -type f ! -name SHA256SUMS -print0 | LC_ALL=C sort -z | xargs -0 sha256sum > SHA256SUMS
     sha256sum --check --quiet SHA256SUMS
 )
