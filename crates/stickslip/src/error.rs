@@ -126,7 +126,7 @@ pub enum Error {
         t: f64,
         /// Start state.
         x: Point,
-        /// Which function, in words.
+        /// Function, in words.
         what: &'static str,
     },
     /// The state lies behind a stop, at a start or after a jump.
@@ -376,7 +376,7 @@ pub enum Error {
         what: &'static str,
         /// Time at which the search began.
         t: f64,
-        /// How far it went; 0 where it followed no orbit.
+        /// Span of time that it followed; 0 where it followed no orbit.
         span: f64,
     },
     /// The orbit reached a repelling part of Σ, or a two-fold, so that the analysis cannot continue

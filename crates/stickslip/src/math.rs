@@ -88,11 +88,6 @@ pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
-/// Inverse hyperbolic sine.
-pub fn asinh(x: f64) -> f64 {
-    libm::asinh(x)
-}
-
 /// The complement of the error function, `2/√π ∫ exp(−t²) dt` from `x` on.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)
@@ -116,11 +111,6 @@ pub fn log10(x: f64) -> f64 {
 /// `x^y` for real `y`.
 pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
-}
-
-/// Cube root.
-pub fn cbrt(x: f64) -> f64 {
-    libm::cbrt(x)
 }
 
 /// `√(x² + y²)` without overflow.

@@ -4,7 +4,7 @@ use crate::error::{Error, Point};
 use crate::filippov::{Phase, StepRecord, Transition, Visibility};
 use crate::system::{Mode, Side, State};
 
-/// How much work a run took.
+/// Work of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Steps accepted (an event cuts one short and counts as one).
@@ -22,13 +22,13 @@ pub struct Counters {
     pub locations: u64,
 }
 
-/// How an orbit has reached a two-fold.
+/// Ways to a two-fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Approach {
-    /// By sliding on Σ.
+    /// Sliding on Σ.
     Sliding,
-    /// By crossings that accumulate.
+    /// Crossings that accumulate.
     Crossings,
 }
 
@@ -36,16 +36,16 @@ pub enum Approach {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct TwoFold {
-    /// How the field below is tangent to Σ.
+    /// Visibility of the tangency of the field below.
     pub below: Visibility,
-    /// How the field above is.
+    /// Visibility of the tangency of the field above.
     pub above: Visibility,
-    /// How the orbit reached it.
+    /// Way of the orbit to it.
     pub approach: Approach,
 }
 
 impl TwoFold {
-    /// How the field of `side` is tangent to Σ.
+    /// Visibility of the tangency of the field of `side`.
     pub fn visibility(&self, side: Side) -> Visibility {
         match side {
             Side::Below => self.below,
@@ -87,10 +87,10 @@ impl Ending {
     }
 }
 
-/// How and where a streamed run ended, of a system of `N` states.
+/// End of a streamed run of a system of `N` states.
 pub type Summary<const N: usize> = SummaryOf<State<N>>;
 
-/// How and where a streamed run ended; `X` is a state.
+/// End of a streamed run; `X` is a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SummaryOf<X> {
     /// Why it ended.

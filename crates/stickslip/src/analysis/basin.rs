@@ -15,14 +15,14 @@ use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
 pub struct Basin {
     /// The attractors by their numbers, in the order in which the starts first reach them.
     pub attractors: Vec<Attractor>,
-    /// For each start, in order, the number of its attractor.
+    /// Number of the attractor of each start, in order.
     pub reached: Vec<usize>,
 }
 
 /// A fraction of the starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
-    /// How many of them.
+    /// Number of starts that lead there.
     pub starts: usize,
     /// The fraction.
     pub part: f64,

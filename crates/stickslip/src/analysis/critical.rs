@@ -23,9 +23,9 @@ pub(super) struct Critical {
 }
 
 impl Critical {
-    /// From the derivative of the flow map over the period, transverse to the flow in an autonomous
-    /// system. An orbit in a family of some dimension always has as many multipliers equal to 1,
-    /// and they are ignored.
+    /// Multipliers of the derivative of the flow map over the period, transverse to the flow in an
+    /// autonomous system. An orbit in a family of some dimension always has as many multipliers
+    /// equal to 1, and they are ignored.
     pub fn of(matrix: &Matrix, family: usize) -> Self {
         let states = matrix.nrows();
         let shifted = |by: f64| matrix + Matrix::identity(states, states) * by;

@@ -10,7 +10,7 @@ use crate::dynamics::{
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 
-/// What an orbit is differentiated by.
+/// Quantities by which an orbit is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variable {
     /// A component of the start state, counted from 0. A parameter that is a last state is one.
@@ -24,11 +24,11 @@ pub enum Variable {
 pub struct EventDerivatives {
     /// Time of the event.
     pub at: f64,
-    /// Of the event's time.
+    /// Derivatives of the event's time.
     pub t: Vec<f64>,
-    /// Of the state before the event, along which it moves.
+    /// Derivatives of the state before the event.
     pub before: Matrix,
-    /// Of the state after it: another one at a jump.
+    /// Derivatives of the state after the event: another state at a jump.
     pub after: Matrix,
 }
 
@@ -36,15 +36,15 @@ pub struct EventDerivatives {
 /// variables. From [`OrbitDerivatives::lost`] on all are NaN.
 #[derive(Clone, Debug)]
 pub struct OrbitDerivatives {
-    /// Of the state, at each requested time.
+    /// Derivatives of the state at each requested time.
     pub states: Vec<Matrix>,
     /// The states at these times; NaN where the run does not reach them.
     pub points: Vec<Vector>,
     /// Start, end and modes of each phase up to the last of these times.
     pub phases: Vec<(f64, f64, Modes)>,
-    /// At each transition.
+    /// Derivatives at each transition.
     pub transitions: Vec<EventDerivatives>,
-    /// At each passage of a section, with the section's index.
+    /// Derivatives at each passage of a section, with the section's index.
     pub passages: Vec<(usize, EventDerivatives)>,
     /// Why, and from when on, the flow has no derivative; or the error that ended the run.
     pub lost: Option<Error>,
@@ -227,7 +227,7 @@ fn columns_at_start(
 /// Tangent vectors beside an orbit, and what they have given so far.
 struct Carried<'a> {
     tangent: Tangent<'a>,
-    /// At the start of the last step, and now.
+    /// Tangent vectors at the start of the last step; `columns` are the present ones.
     before: Vec<Vector>,
     columns: Vec<Vector>,
     sections: &'a [Section],

@@ -18,7 +18,7 @@ pub struct Monodromy {
     /// Number of entries into stick. The first entry reduces the rank by one; so does stick at the
     /// start, which does not count as an entry.
     pub stick_entries: usize,
-    /// How the run ended.
+    /// End of the run, and its work.
     pub summary: Summary,
 }
 

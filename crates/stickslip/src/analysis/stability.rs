@@ -22,8 +22,8 @@ pub enum Stability {
 }
 
 impl Stability {
-    /// From the multipliers without the trivial one of an autonomous system. NaN multipliers give
-    /// an unstable orbit.
+    /// Stability by the multipliers without the trivial one of an autonomous system. NaN
+    /// multipliers give an unstable orbit.
     ///
     /// ```
     /// use stickslip::analysis::Stability;
@@ -43,7 +43,8 @@ impl Stability {
         }
     }
 
-    /// From the eigenvalues of an equilibrium: a pair may be imaginary to 1e-6 of the largest.
+    /// Stability by the eigenvalues of an equilibrium. A pair may be imaginary to 1e-6 of the
+    /// largest.
     pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
         let sizes = eigenvalues.iter().map(|value| value.norm());
         let noise = NEUTRAL_DISTANCE * sizes.fold(0.0, f64::max);

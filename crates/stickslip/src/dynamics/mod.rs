@@ -8,6 +8,7 @@ mod flow;
 mod interrupt;
 mod jump_search;
 mod jumps;
+mod kinds;
 mod memory;
 mod modes;
 mod run;
@@ -27,11 +28,12 @@ use crate::system::{Filippov, State};
 pub use batch::Listener;
 pub(crate) use flow::TANGENT_ERROR;
 pub use interrupt::Interrupt;
-pub use jumps::{Jumps, KinkShift, NoJumps, Reset, WithJumps};
+pub use jumps::{Jumps, KinkShift, Reset, WithJumps};
+use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts};
 pub use memory::RunMemory;
 pub use modes::Modes;
 pub(crate) use run::observed;
-pub use section::NoSection;
+use section::NoSection;
 pub use typed::Typed;
 pub(crate) use typed::watched;
 
@@ -79,18 +81,18 @@ pub struct Kink {
 /// A passage of a section.
 pub type Passage = EventOf<Vector, Modes>;
 
-/// How and where a run ended.
+/// End of a run, and its work.
 pub type Summary = SummaryOf<Vector>;
 
 impl Transition {
-    /// When and where.
+    /// Time and state.
     pub fn moment(&self) -> Moment {
         Moment::new(self.t, &self.x)
     }
 }
 
 impl Passage {
-    /// When and where.
+    /// Time and state.
     pub fn moment(&self) -> Moment {
         Moment::new(self.t, &self.x)
     }
@@ -160,7 +162,7 @@ pub enum Section {
         point: Vector,
         /// A vector across it, of any length.
         normal: Vector,
-        /// Which way it is passed.
+        /// Direction of a passage.
         direction: Direction,
     },
     /// A strobe at every whole period.
@@ -419,15 +421,6 @@ pub trait AsDynamics<Kind> {
     fn dynamics(&self) -> DynamicsRef<'_>;
 }
 
-/// Marks a [`Filippov`] system of `N` states as [`AsDynamics`].
-pub struct OneContact<const N: usize>;
-
-/// Marks [`Several`] systems of `M` contacts and `N` states as [`AsDynamics`].
-pub struct SeveralContacts<const N: usize, const M: usize>;
-
-/// Marks a [`Dynamics`] as [`AsDynamics`].
-pub struct AtRunTime;
-
 impl<S: Filippov<N> + Send + Sync, const N: usize> AsDynamics<OneContact<N>> for S {
     fn dynamics(&self) -> DynamicsRef<'_> {
         DynamicsRef::Owned(Box::new(Typed::<&S, S, _, _, _, N, _>::new(self)))
@@ -442,9 +435,6 @@ where
         DynamicsRef::Owned(Box::new(Typed::<&Self, Self, _, _, _, N, M>::new(self)))
     }
 }
-
-/// Marks [`WithJumps`] of a [`Filippov`] system of `N` states as [`AsDynamics`].
-pub struct OneContactAndJumps<const N: usize>;
 
 impl<S, J, const N: usize> AsDynamics<OneContactAndJumps<N>> for WithJumps<S, J>
 where

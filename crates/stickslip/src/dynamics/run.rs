@@ -164,7 +164,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     pending: VecDeque<OrbitProgress>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedFunctions<'a, S, V, J, N, G>, N, G>>,
-    /// How many passages of the last step have been reported.
+    /// Number of passages of the last step that have been reported.
     reported: usize,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
     /// Items that the observer has not received yet.

@@ -44,11 +44,11 @@ impl<X, K> PhaseOf<X, K> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum TransitionKind {
-    /// From slip on one side through Σ to slip on the other: the orbit kinks.
+    /// Slip on one side passes through Σ to slip on the other: the orbit kinks.
     Crossing,
-    /// From slip to stick.
+    /// Slip becomes stick.
     StickEntry,
-    /// From stick to slip: at a tangent point, or across Σ where static friction is more than
+    /// Stick becomes slip: at a tangent point, or across Σ where static friction is more than
     /// kinetic.
     StickExit,
     /// Slip touches Σ, or a guard of the stick phase touches zero, and the contact's mode remains.
@@ -154,7 +154,7 @@ pub struct StepRecord<const N: usize, K = Mode> {
 /// # Ok::<(), stickslip::Error>(())
 /// ```
 pub trait Observer<const N: usize, K = Mode> {
-    /// After every accepted step (cut short at an event).
+    /// Called after every accepted step (cut short at an event).
     fn step(&mut self, _step: &StepRecord<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
@@ -166,11 +166,11 @@ pub trait Observer<const N: usize, K = Mode> {
     fn watches_steps(&self) -> bool {
         true
     }
-    /// At every transition, after the steps up to it.
+    /// Called at every transition, after the steps up to it.
     fn transition(&mut self, _transition: &Transition<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
-    /// After every phase, before the transition that ends it.
+    /// Called after every phase, before the transition that ends it.
     fn phase(&mut self, _phase: &Phase<N, K>) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }

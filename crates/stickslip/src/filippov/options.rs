@@ -3,7 +3,7 @@
 use crate::error::{Error, require};
 use crate::ode::Tolerance;
 
-/// Which integrator makes the steps.
+/// Integrator that makes the steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
     /// Order 8 with adaptive steps ([`crate::ode::Dop853`]); the default.
@@ -32,7 +32,7 @@ pub enum Method {
     },
 }
 
-/// How an event inside a step is located.
+/// Location of an event inside a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Locator {
     /// A step to the event of the dense output, then one Hénon step over the small rest. The Hénon

@@ -182,7 +182,7 @@ pub struct StickingPoint<K, B, const N: usize, const G: usize> {
     pub at: Timed<N>,
     pub to: K,
     pub branch: B,
-    /// How many derivatives of each guard of the mode vanish.
+    /// Number of derivatives of each guard of the mode that vanish.
     pub orders: [usize; G],
     /// The first of the contacts.
     pub contact: usize,

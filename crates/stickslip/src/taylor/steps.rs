@@ -21,7 +21,7 @@ enum StepKind {
     Combine,
     /// The sum of `a` and this linear number times the constant.
     AddLinear(u32),
-    /// This linear number minus `a`.
+    /// Subtracts `a` from this linear number.
     SubtractFromLinear(u32),
     Multiply,
     Divide,
@@ -395,7 +395,7 @@ fn is_used(recorded: &RecordedInstruction, uses: &[Use]) -> bool {
     }
 }
 
-/// How each row is used.
+/// Uses of each row.
 fn uses(
     instructions: &[RecordedInstruction],
     wanted: impl Iterator<Item = Location>,

@@ -97,10 +97,10 @@ pub struct Attractor {
     /// Dimension of the family to which a numbered periodic orbit belongs; see
     /// [`super::Attractors::number`] and [`super::Attractors::family`].
     pub family: Option<usize>,
-    /// For a periodic orbit, the section points in one period; for an equilibrium, that point
+    /// Section points in one period of a periodic orbit; for an equilibrium, that point
     /// alone, refined; otherwise the last points.
     pub points: Vec<Moment>,
-    /// For a periodic orbit, the phases that ended in one period, in order of time; otherwise the
+    /// Phases that ended in one period of a periodic orbit, in order of time; otherwise the
     /// last phases.
     pub phases: Vec<Phase>,
     /// The transitions of these phases with the contact at which each begins. With several

@@ -24,7 +24,7 @@ use crate::filippov::{Options, Strobe};
 use crate::system::Mode;
 use search::Search;
 
-/// When an orbit has reached an attractor.
+/// Criterion by which an orbit has reached an attractor.
 ///
 /// Points of the section repeat with lag `p` if each of the last `p` is near the one `p` before.
 /// The remaining distance to the pattern must be small as well, so that slowly creeping points are

@@ -74,7 +74,7 @@ pub(super) struct Recurrence {
 pub(super) struct Pattern {
     pub returns: usize,
     pub period: f64,
-    /// By how much that may be off.
+    /// Largest error of that.
     pub uncertainty: f64,
     /// Counts before it and at its end.
     pub counts: (Counts, Counts),

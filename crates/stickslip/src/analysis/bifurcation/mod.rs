@@ -16,7 +16,7 @@ use crate::filippov::Options;
 /// Settings of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SweepSettings {
-    /// When an attractor counts as reached.
+    /// Criterion by which an attractor is reached.
     pub recurrence: RecurrenceSettings,
     /// Settings for the largest Lyapunov exponent; without them it is not measured.
     pub spectrum: Option<SpectrumOptions>,
@@ -122,7 +122,7 @@ pub enum WhatChanges {
         parameter: f64,
         /// Uncertainty of the parameter.
         uncertainty: f64,
-        /// Which bifurcation; never [`CycleBifurcation::Sequence`].
+        /// Kind of bifurcation; never [`CycleBifurcation::Sequence`].
         what: CycleBifurcation,
         /// A state on the orbit.
         x: Vector,

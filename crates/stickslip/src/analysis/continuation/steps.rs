@@ -35,7 +35,7 @@ pub(in crate::analysis) struct Continuation<'a> {
     pub(super) branch: PartialBranch,
     /// The kind of special orbit at which to stop, and the number of such orbits to pass before.
     pub(in crate::analysis) wanted: Option<(IsWanted, usize)>,
-    /// That orbit.
+    /// Orbit of the junction.
     pub(super) junction: Option<Junction>,
 }
 

@@ -122,7 +122,7 @@ impl TangentLine {
         TangentLine::tangent(shooting, units, cycle, &(&self.row * heading))
     }
 
-    /// How the parameter changes along it.
+    /// Rate of the parameter along the line.
     pub fn heading(&self) -> f64 {
         self.direction[self.from.begin.x.len() - 1]
     }

@@ -141,7 +141,7 @@ pub(super) struct Equations {
     /// The residuals, and the largest of them in the unit of the states.
     pub residuals: Vector,
     pub largest: f64,
-    /// Their derivative by the unknowns.
+    /// Derivative of the residuals by the unknowns.
     pub jacobian: Matrix,
     /// The part of it that is due to changes of the state.
     pub changes: Matrix,

@@ -6,7 +6,7 @@ use crate::dynamics::{Dynamics, Modes, Moment};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
-/// How a change of the phases of an orbit may begin.
+/// Ways in which a change of the phases of an orbit begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum MarginKind {

@@ -11,7 +11,7 @@ pub(crate) trait Path {
     /// The solution at a place.
     fn on(&self, place: f64) -> Option<Self::Solution>;
 
-    /// The same solution with a far smaller error of integration.
+    /// Solution at `place` with a far smaller error of integration.
     fn finer(&self, place: f64) -> Option<Self::Solution>;
 
     /// The parameter of a solution.

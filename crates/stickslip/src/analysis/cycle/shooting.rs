@@ -45,7 +45,7 @@ impl<'a> Shooting<'a> {
         }
     }
 
-    /// The same with steps of half the length.
+    /// Equations with steps of half the length.
     pub fn finer(&self) -> Self {
         let is_finer = true;
         Shooting { is_finer, ..*self }

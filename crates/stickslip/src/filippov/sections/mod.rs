@@ -17,12 +17,12 @@ pub(crate) use search::SearchMemory;
 pub use solve::{OrbitWithEvents, solve_with_events};
 pub use watched::{Watched, WatchedProgress};
 
-/// Which way a function passes through zero.
+/// Direction in which a function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
-    /// From below zero to above.
+    /// Upwards: from below zero to above.
     Rising,
-    /// From above zero to below.
+    /// Downwards: from above zero to below.
     Falling,
     /// Either way.
     Both,
@@ -82,7 +82,7 @@ pub trait EventFunctions<const N: usize> {
     /// Function `number`, counted from 0, at time `t` and state `x`, in any unit.
     fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; N]) -> T;
 
-    /// Which passages of function `number` are events; the default takes both.
+    /// Direction of the passages of function `number` that are events; the default takes both.
     fn direction(&self, _number: usize) -> Direction {
         Direction::Both
     }

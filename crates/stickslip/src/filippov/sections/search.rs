@@ -27,7 +27,7 @@ pub(crate) enum Standing {
     AtStart(f64),
     /// At this value.
     At(f64),
-    /// It has left this value.
+    /// Has left this value.
     Leaving(f64),
 }
 
@@ -82,11 +82,11 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
 /// components.
 pub(crate) type SearchMemory = (Vec<Known>, Vec<f64>);
 
-/// What the steps so far tell of a function.
+/// Signs of a function over the steps so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Known {
-    /// Its last sign; 0 while unknown.
+    /// Last sign of the function; 0 while unknown.
     side: f64,
     standing: Standing,
 }
