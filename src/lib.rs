@@ -7,7 +7,6 @@ pub mod motion;
 mod numbers;
 mod orbit_records;
 pub mod paper;
-#[cfg(feature = "report")]
 pub mod readings;
 #[cfg(feature = "report")]
 pub mod report;

@@ -35,7 +35,6 @@ pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// Median; for an even count, the mean of the middle two.
-#[cfg(feature = "report")]
 pub(crate) fn median(values: &[f64]) -> Option<f64> {
     let middle = numerics::middle_two(values.iter().copied());
     middle.map(|[lower, upper]| 0.5 * (lower + upper))
@@ -46,7 +45,7 @@ pub(crate) fn not_found(what: &'static str, t: f64, span: f64) -> Error {
     Error::NotFound { what, t, span }
 }
 
-#[cfg(all(test, feature = "report"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -16,7 +16,6 @@ const CLAIMS: &str = include_str!("../../data/claims.csv");
 /// decimals.
 pub const LAST_DIGIT: f64 = 1e-4;
 /// Half of it: the largest difference that rounding of print explains.
-#[cfg(feature = "report")]
 pub const HALF_DIGIT: f64 = 0.5 * LAST_DIGIT;
 
 described! {

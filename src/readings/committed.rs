@@ -66,6 +66,21 @@ pub fn committed_rows() -> Result<Vec<ConfigurationRow>, String> {
     complete_rows(TABLE, &Plan::full()?)
 }
 
+/// Ranges of the exponents of Figs. 10–12 over the settings that the paper does not state, for the
+/// recommended reading; see [`CommittedSearch::spread`].
+///
+/// # Errors
+/// As [`CommittedSearch::read`].
+pub fn committed_spread() -> Result<[[ExponentSpread; 4]; 3], String> {
+    let plan = Plan::full()?;
+    let rows = complete_rows(TABLE, &plan)?;
+    Ok(spread(&RowsByRole::of(&rows).recommended, &plan))
+}
+
+fn spread(recommended: &[&ConfigurationRow], plan: &Plan) -> [[ExponentSpread; 4]; 3] {
+    for_each_exponent(|exponent| ExponentSpread::of(recommended, exponent, &plan.published))
+}
+
 /// The rows of a table, if they are those of the search.
 fn complete_rows(table: &str, plan: &Plan) -> Result<Vec<ConfigurationRow>, String> {
     let rows: Vec<ConfigurationRow> = table.lines().filter_map(ConfigurationRow::parse).collect();
@@ -145,9 +160,7 @@ impl CommittedSearch {
             figure_levels: levels.map(with_motions),
             motions: pairs.into_iter().cloned().collect(),
             digits_by_random_targets: for_each_exponent(by_random_targets),
-            spread: for_each_exponent(|exponent| {
-                ExponentSpread::of(&recommended, exponent, published)
-            }),
+            spread: spread(&recommended, &plan),
             recommended: recommended.iter().filter_map(with_setting).collect(),
             confirmed_statements: ConfirmedStatements::count(&recommended),
             digits: agreeing,

@@ -27,7 +27,7 @@ use crate::terminal::{self, ProgramError};
 use output::Artifact;
 use output::terminal::DelayedProgressBar;
 
-pub use committed::{CommittedSearch, Match, committed_rows};
+pub use committed::{CommittedSearch, Match, committed_rows, committed_spread};
 use plan::Plan;
 pub use plan::{Integrator, ZERO_SIZE};
 pub use scoring::{ConfirmedStatements, ExponentSpread, PairCounts, ValueRange, sources_in_words};

@@ -1,6 +1,7 @@
 //! The picture of Figs. 10, 11 and 12.
 
 use super::compute::{AsPrintedOutcome, Data};
+use super::error_bars::{ErrorBar, Source, error_bars};
 use super::numbers::{compare, quality};
 use super::recorder::{END, START};
 use crate::captions::{self, CaptionTable};
@@ -28,6 +29,16 @@ const DATA_WIDTH: f64 = 5.0;
 const EQUATION_WIDTHS: [f64; 4] = [2.0, 1.4, 0.9, 0.8];
 /// The axis of exponents is linear below this and logarithmic above.
 const LINEAR_RANGE: f64 = 1e-3;
+
+/// Place of the first column of error bars behind the end of the run, and the distance between two
+/// columns, as fractions of the run.
+const ERROR_BARS: (f64, f64) = (0.14, 0.12);
+/// Distance between the bars of two exponents in a column, as a fraction of the run.
+const BAR_STEP: f64 = 0.022;
+/// Half the width of a cap of a bar, as a fraction of the run.
+const CAP: f64 = 0.008;
+/// Numbers of the columns, on the axis.
+const COLUMN_NUMBERS: [&str; 4] = ["i", "ii", "iii", "iv"];
 
 /// Description of the picture for screen readers.
 fn description(data: &Data) -> String {
@@ -154,8 +165,10 @@ fn running(data: &Data) -> Result<Panel, ProgramError> {
     let settled = settled.flat_map(|at| at.exponents.iter().copied());
     let settled_data = by_data().filter(|at| at.t > SETTLED_FRACTION * end);
     let settled_data = settled_data.flat_map(|at| reliable.iter().map(|&i| at.exponents[i]));
-    let shown = settled.chain(settled_data).chain(published).chain([0.0]);
-    let (low, high) = range(shown.map(scaled));
+    let bars = error_bars(data)?;
+    let ends = bars.iter().flat_map(|bar| [bar.least, bar.largest]);
+    let shown = settled.chain(settled_data).chain(published).chain(ends);
+    let (low, high) = range(shown.chain([0.0]).map(scaled));
     let ticks = [-1.0, -0.1, -0.01, -0.001, 0.0, 0.001, 0.01, 0.1, 1.0].map(|exponent: f64| {
         let decimals = if exponent == 0.0 { 0 } else { 3 };
         (scaled(exponent), number(exponent, decimals))
@@ -163,14 +176,24 @@ fn running(data: &Data) -> Result<Panel, ProgramError> {
     let ticks = ticks
         .into_iter()
         .filter(|(at, _)| (low..=high).contains(at));
+    let (first, step) = ERROR_BARS;
+    let column = |source: Source| end * (1.0 + first + step * source as u8 as f64);
+    let times = (0..=3).map(|k| f64::from(k) * end / 3.0);
+    let times = times.map(|t| (t, number(t, 0)));
+    let columns = Source::ALL.into_iter().zip(COLUMN_NUMBERS);
+    let columns = columns.map(|(source, name)| (column(source), name.to_owned()));
+    let right = column(Source::Settings) + end * first;
     let mut panel = Panel::new(
-        Axis::new("*t* − 3000", 0.0, end).step(3000.0).minor(3),
+        Axis::new("*t* − 3000", 0.0, right).ticks(times.chain(columns)),
         Axis::new("*λ* (linear to 10^{−3}, then logarithmic)", low, high)
             .ticks(ticks)
             .value(unscaled),
     )
     .label("(c)")
-    .title(&format!("running exponents{}", annihilated(data)))
+    .title(&format!(
+        "running exponents, error bars{}",
+        annihilated(data)
+    ))
     .legend(Legend::Below);
     panel.add(Guide::horizontal(0.0).color(GREY).width(0.6));
     // One style for each source, one colour for each exponent.
@@ -194,11 +217,31 @@ fn running(data: &Data) -> Result<Panel, ProgramError> {
         panel.add(curve.legend(&format!("*λ*_{}, equations", i + 1)));
     }
     for (i, value) in published.into_iter().enumerate() {
-        let ends = [0.0, end].map(|t| (t, scaled(value)));
+        let ends = [0.0, right].map(|t| (t, scaled(value)));
         let line = Curve::new(ends).color(COLOURS[i]).dash(Dash::Dotted);
         panel.add(line.width(1.6).legend(&format!("*λ*_{}, published", i + 1)));
     }
+    panel.add(Guide::vertical(end).color(GREY).width(0.6));
+    for bar in &bars {
+        let at = column(bar.source) + BAR_STEP * end * (bar.index as f64 - 1.5);
+        let name = format!("λ{}, {}", bar.index + 1, bar.source.name());
+        let curve = Curve::new(whiskers(bar, at, CAP * end, low));
+        panel.add(curve.color(COLOURS[bar.index]).width(1.4).name(&name));
+    }
     Ok(panel)
+}
+
+/// The line of a bar with its caps. An end of −∞ is at the bottom of the panel.
+fn whiskers(bar: &ErrorBar, at: f64, cap: f64, bottom: f64) -> [(f64, f64); 6] {
+    let [least, largest] = [bar.least, bar.largest].map(|end| scaled(end).max(bottom));
+    [
+        (at - cap, least),
+        (at + cap, least),
+        (at, least),
+        (at, largest),
+        (at - cap, largest),
+        (at + cap, largest),
+    ]
 }
 
 /// Exponents of −∞ by the equations, which the running means cannot show.
@@ -275,6 +318,10 @@ fn on_captions(table: &CaptionTable, figure: usize, class: Class) -> Vec<String>
     lines
 }
 
+/// Meaning of the columns of error bars.
+const ON_ERROR_BARS: &str = "Bars in (c): i standard error, ii captions ± 0.0005, \
+    iii step and tolerance, iv settings of the estimator.";
+
 fn table(data: &Data) -> Result<Table, ProgramError> {
     let claims = Claims::committed()?;
     let captions = captions::committed()?;
@@ -338,6 +385,7 @@ fn table(data: &Data) -> Result<Table, ProgramError> {
         class_over_captions(captions, figure),
     ]);
     let table = rows.into_iter().fold(table, Table::row);
-    let notes = on_captions(captions, figure, exact.class);
+    let mut notes = vec![ON_ERROR_BARS.to_owned()];
+    notes.extend(on_captions(captions, figure, exact.class));
     Ok(notes.iter().fold(table, |table, line| table.note(line)))
 }

@@ -3,12 +3,12 @@
 
 mod compute;
 mod draw;
+mod error_bars;
 mod numbers;
 mod recorder;
 
-#[cfg(feature = "report")]
 pub(crate) use compute::DIVERGED;
-#[cfg(all(test, feature = "report"))]
+#[cfg(test)]
 pub(crate) use compute::best_common_settings;
 pub use compute::{
     AsPrintedOutcome, BoundedMotion, Data, FigureSet, SETS, TOLERANCE, by_rk4_and_henon, class,
@@ -19,7 +19,6 @@ use compute::compute;
 use draw::draw;
 use numbers::numbers;
 pub use numbers::{DIVERGES, ExponentComparison, compare};
-#[cfg(feature = "report")]
 pub(crate) use recorder::{DT, START};
 
 /// A figure with its description: the set of parameters, and the class that the paper publishes.
@@ -35,11 +34,12 @@ macro_rules! figure {
                 $published,
                 ", with the signs that Newton demands and a normal force that cannot pull; the end \
                  of the run. Panel (c): the running exponents over that time, from the equations \
-                 and from the sampled states. Table: published exponents against both; biased: \
-                 identified by the data, but further from the equations than three standard \
-                 errors and the change with doubled neighbourhoods. Numbers: exponents, class of \
-                 the motion with its evidence, stick, normal force; and when the equations as \
-                 printed diverge."
+                 and from the sampled states, and error bars: statistical, by the rounding of the \
+                 captions, by step and tolerance, by unstated settings. Table: published exponents \
+                 against both; biased: identified by the data, but further from the equations than \
+                 three standard errors and the change with doubled neighbourhoods. Numbers: \
+                 exponents, class of the motion with its evidence, stick, normal force; and when \
+                 the equations as printed diverge."
             ),
             compute: || compute(&SETS[$index]),
             numbers,

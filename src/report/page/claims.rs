@@ -44,12 +44,13 @@ fn by<'a, K: Copy>(
         let of = |entry: &&Entry| is_of(&entry.claim, key) && entry.verdict == verdict;
         ledger.entries.iter().filter(of).count()
     };
-    let headings = Verdict::COUNTED.map(|verdict| verdict.to_string());
-    let headings: Vec<&str> = headings.iter().map(String::as_str).collect();
     html! {
         div.scroll tabindex="0" role="region" aria-label=(title) { table {
             caption { (title) }
-            (columns(&[&["Claims"], &*headings].concat()))
+            thead { tr {
+                th scope="col" { "Claims" }
+                @for verdict in Verdict::COUNTED { th.number scope="col" { (verdict) } }
+            } }
             tbody {
                 @for (key, name) in rows {
                     tr {

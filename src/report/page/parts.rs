@@ -72,11 +72,29 @@ const SYMBOLS: [(&str, &str); 21] = [
 ];
 
 /// Text with symbols set as symbols: `mu0` with its index, `x1^3` with index and power, `sqrt(3)`
-/// as a root, `(x + z)^2` with its power.
+/// as a root, `(x + z)^2` with its power, `2e-4` with a power of ten, ` - ` with a minus sign.
 pub(super) fn typeset(text: &str) -> Markup {
     let escape = |text: &str| html! { (text) }.into_string();
     let (mut set, mut rest, mut before) = (String::new(), text, ' ');
     while let Some(first) = rest.chars().next() {
+        if before == ' ' && rest.starts_with("- ") {
+            set.push('−');
+            (before, rest) = ('−', &rest[1..]);
+            continue;
+        }
+        if before.is_ascii_digit()
+            && let Some((exponent, length)) = power_of_ten(rest)
+        {
+            // A factor of one is left out.
+            let number = |c: char| c.is_ascii_digit() || c == '.';
+            match set.strip_suffix('1') {
+                Some(other) if !other.ends_with(number) => set.truncate(other.len()),
+                _ => set.push('·'),
+            }
+            set += &html! { "10" sup { (exponent) } }.into_string();
+            (before, rest) = (' ', &rest[length..]);
+            continue;
+        }
         let found = match before.is_alphanumeric() || "_.^\\".contains(before) {
             true => None,
             false => root(rest).or_else(|| symbol(rest)),
@@ -111,6 +129,22 @@ fn power(text: &str) -> Option<(String, usize)> {
     let digits = power.find(|c: char| !c.is_ascii_digit());
     let digits = digits.unwrap_or(power.len());
     (digits > 0).then(|| (power[..digits].to_owned(), digits + 1))
+}
+
+/// The exponent of a number in scientific notation, from its `e` on, and its length there.
+fn power_of_ten(text: &str) -> Option<(String, usize)> {
+    let exponent = text.strip_prefix('e')?;
+    let unsigned = exponent.strip_prefix(['-', '−']).unwrap_or(exponent);
+    let digits = unsigned.find(|c: char| !c.is_ascii_digit());
+    let digits = digits.unwrap_or(unsigned.len());
+    let sign = if unsigned.len() < exponent.len() {
+        "−"
+    } else {
+        ""
+    };
+    let ends = !unsigned[digits..].starts_with(char::is_alphanumeric);
+    let length = text.len() - unsigned.len() + digits;
+    (digits > 0 && ends).then(|| (format!("{sign}{}", &unsigned[..digits]), length))
 }
 
 /// The square root at the begin of a text, and its length there.
@@ -190,7 +224,7 @@ mod tests {
             ("λ1 of sigma", "<i>λ</i><sub>1</sub> of <i>σ</i>"),
             (
                 "(k2 z^3 - z)^2/m^2",
-                "(<i>k</i><sub>2</sub> <i>z</i><sup>3</sup> - z)<sup>2</sup>/<i>m</i><sup>2</sup>",
+                "(<i>k</i><sub>2</sub> <i>z</i><sup>3</sup> − z)<sup>2</sup>/<i>m</i><sup>2</sup>",
             ),
             (
                 "z_k at t_entry",
@@ -201,8 +235,13 @@ mod tests {
                 "2 √3/9, √(<i>x</i><sub>1</sub> + 1)",
             ),
             (
-                "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",
-                "h = 1e-4, RK4, fig10.lambda.1, C5, x, k",
+                "RK4, fig10.lambda.1, C5, x, k, 2e4a",
+                "RK4, fig10.lambda.1, C5, x, k, 2e4a",
+            ),
+            (
+                "h = 1e-4, −2.50e−16 to 1.1e3, 21e-4",
+                "h = 10<sup>−4</sup>, −2.50·10<sup>−16</sup> to 1.1·10<sup>3</sup>, \
+                 21·10<sup>−4</sup>",
             ),
         ] {
             assert_eq!(typeset(text).into_string(), expected, "{text}");
