@@ -283,16 +283,16 @@ fn switching(
             let when = stops.when(stop, event);
             is_timed |= graph.depends_on_time(when);
             let map = match event {
-                StopEvent::Impact => {
-                    sets.push(
-                        (0..file.states.len())
-                            .map(|state| graph.state(state))
-                            .collect(),
-                    );
-                    Map::Impact(stop)
+                StopEvent::Impact | StopEvent::Landing => {
+                    let states = 0..file.states.len();
+                    sets.push(states.map(|state| graph.state(state)).collect());
+                    match event {
+                        StopEvent::Landing => Map::Landing(stop),
+                        _ => Map::Impact(stop),
+                    }
                 }
-                StopEvent::LiftOff | StopEvent::Landing => {
-                    let set = &stops.set[stop][usize::from(event == StopEvent::Landing)];
+                StopEvent::LiftOff => {
+                    let set = &stops.lifted[stop];
                     sets.push(set.clone());
                     Map::Formulas(tape(file, graph, set, inputs)?)
                 }

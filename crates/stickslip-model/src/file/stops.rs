@@ -316,8 +316,8 @@ fn solved(
 pub(super) struct Events {
     /// The function at whose zero each event occurs, by stop: impact, lift-off, landing.
     pub when: Vec<[Id; 3]>,
-    /// The states after a lift-off and a landing.
-    pub set: Vec<[Vec<Id>; 2]>,
+    /// The states after a lift-off, by stop.
+    pub lifted: Vec<Vec<Id>>,
     /// The law of impact.
     pub impacts: Impacts,
 }
@@ -393,17 +393,19 @@ pub(super) fn built(
     }
     let acts = acts(file, inputs, graph)?;
     let wrong = |error| no_number(error, file.stops[0].place.clone());
-    let mut set = Vec::new();
-    for number in 0..file.stops.len() {
-        let settled = settled(file, graph, (number, &below, &acts[number])).map_err(wrong)?;
-        let mut after = [settled.clone(), settled];
-        for (after, value) in after.iter_mut().zip([0.0, 1.0]) {
-            after[file.stops[number].closed] = graph.constant(value).map_err(wrong)?;
-        }
-        set.push(after);
+    let mut lifted = Vec::new();
+    for (number, stop) in file.stops.iter().enumerate() {
+        let settled = settled(file, graph, (number, &below, &acts[number]));
+        let mut after = settled.map_err(wrong)?;
+        after[stop.closed] = graph.constant(0.0).map_err(wrong)?;
+        lifted.push(after);
     }
     let impacts = impacts(file, inputs, graph, (&below, &acts))?;
-    Ok(Events { when, set, impacts })
+    Ok(Events {
+        when,
+        lifted,
+        impacts,
+    })
 }
 
 /// What a unit of each reaction adds to the rates, by stop and state.
@@ -423,9 +425,8 @@ fn acts(
     all.collect()
 }
 
-/// The states with the gap of a stop and its rate at zero. The rate vanishes by an impulse. The gap
-/// vanishes along the motion that follows an impulse, so that the derivative of this map is that of
-/// infinitely many impacts up to their accumulation.
+/// The states with the gap of a stop and its rate at zero, of which errors are left: the rate by an
+/// impulse, the gap along the motion that follows one.
 fn settled(
     file: &SystemFile,
     graph: &mut Graph,

@@ -36,13 +36,16 @@ struct Touching<T> {
     size: f64,
     /// Whether the stop carries, so that what is left of its rate is rounding.
     carries: bool,
+    /// Whether it carries after a landing: that stop, and those that carried before. A reaction
+    /// that then would pull ends at once.
+    lands: bool,
     coupling: Vec<T>,
 }
 
 impl<T: Scalar> Touching<T> {
     /// The rate that the law compares with, without impulses.
     fn wanted(&self) -> T {
-        match self.rate.value() < 0.0 && !self.carries {
+        match self.rate.value() < 0.0 && !self.carries && !self.lands {
             true => self.rate + self.restitution * self.rate,
             false => self.rate,
         }
@@ -76,6 +79,17 @@ impl Impacts {
     /// stops carry. Not a number where no impulses follow the law, or a restitution is not between
     /// 0 and 1.
     pub fn settle<T: Scalar>(&self, impact: Option<usize>, t: T, x: &mut [T]) {
+        self.changed(impact, false, t, x);
+    }
+
+    /// The states after the landing of a stop: its gap and the rate of that are zero. The rate
+    /// vanishes by an impulse, which other closed stops share. The gap vanishes along the motion
+    /// that follows an impulse. So the derivative is that of infinitely many impacts.
+    pub fn land<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
+        self.changed(Some(stop), true, t, x);
+    }
+
+    fn changed<T: Scalar>(&self, impact: Option<usize>, lands: bool, t: T, x: &mut [T]) {
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -98,6 +112,7 @@ impl Impacts {
                     restitution: of(stop, 4),
                     size: of(stop, 3).value(),
                     carries: is_closed && (impact.is_some() || is_small),
+                    lands: lands && (is_closed || impact == Some(stop)),
                     coupling: parts[stop * width + OF_STOP..(stop + 1) * width].to_vec(),
                 })
             })
@@ -125,7 +140,7 @@ impl Impacts {
         for (one, impulse) in touching.iter().zip(&impulses) {
             let (after, size) = rate_after(one, &touching, &impulses);
             let is_pressed = one.carries && impulse.is_some();
-            let closes = is_pressed || after.value().abs() <= ROUNDING * size;
+            let closes = one.lands || is_pressed || after.value().abs() <= ROUNDING * size;
             x[self.closed[one.stop]] = if closes { T::one() } else { T::zero() };
         }
     }
@@ -159,11 +174,16 @@ fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
         for (i, value) in chosen.iter().zip(&values) {
             impulses[*i] = Some(*value);
         }
-        let pushes = values.iter().all(|impulse| impulse.value() >= 0.0);
+        // What lands has no rate left, whatever its sign.
+        let of = |i: &usize| touching[*i].lands;
+        let pushes = chosen
+            .iter()
+            .zip(&values)
+            .all(|(i, impulse)| of(i) || impulse.value() >= 0.0);
         let holds = touching.iter().enumerate().all(|(i, one)| {
             let (after, size) = rate_after(one, touching, &impulses);
             let left = one.wanted() - one.rate + after;
-            set & 1 << i != 0 || left.value() >= -ROUNDING * size
+            set & 1 << i != 0 || !one.lands && left.value() >= -ROUNDING * size
         });
         (pushes && holds).then_some(impulses)
     })

@@ -249,6 +249,8 @@ pub enum Map {
     Formulas(Tape),
     /// The law of impact, for a stop that closes.
     Impact(usize),
+    /// The landing of a stop.
+    Landing(usize),
 }
 
 /// The jumps and inputs of a system.
@@ -311,6 +313,11 @@ impl Switching {
             Map::Impact(stop) => {
                 if let Some(impacts) = impacts {
                     impacts.settle(Some(*stop), t, x);
+                }
+            }
+            Map::Landing(stop) => {
+                if let Some(impacts) = impacts {
+                    impacts.land(*stop, t, x);
                 }
             }
         }

@@ -178,7 +178,10 @@ where
             }
             let search = &mut self.search;
             let rate = match search.sign_of_rate(number, &at, &velocity) {
-                0.0 => search.sign_of_departure(number, integration),
+                _ if self.jumps.is_never_negative(number) => {
+                    search.sign_of_departure((number, integration.slack()), integration)
+                }
+                0.0 => search.sign_of_departure((number, 0.0), integration),
                 rate => rate,
             };
             if goes(self.jumps, number, rate) {
@@ -297,7 +300,15 @@ where
             return Ok(());
         }
         let step = integration.last_step();
-        let events = self.search.in_step(&step);
+        self.search.in_step(&step);
+        if let Some(landing) = self.missed_return(integration) {
+            let (t, x) = (step.t_start, step.x_start);
+            integration.stop_at(Timed { t, x });
+            self.search.cut(&x, &x);
+            self.due.push_back(Due::at_once(landing));
+            return Ok(());
+        }
+        let events = self.search.last_events();
         let Some(&EventRecord { t, x, .. }) = events.first() else {
             return self.check(integration);
         };
@@ -329,6 +340,21 @@ where
             }
         }
         Ok(())
+    }
+
+    /// The jump that ends flights of which the last step shows none: a gap that was zero at its
+    /// start is negative at its end, and the return lies below rounding.
+    fn missed_return(&self, integration: &Integration<'a, S, N, G>) -> Option<usize> {
+        let at = integration.at();
+        let is_missed = |&number: &usize| {
+            let mut events = self.search.last_events().iter();
+            self.jumps.is_never_negative(number)
+                && self.search.stood_at_zero(number)
+                && !events.any(|event| event.number == number)
+                && self.search.sign_at(number, &at) < 0.0
+        };
+        let number = (0..self.counts.len()).find(is_missed)?;
+        self.jumps.rests(number)
     }
 
     /// The next pending jump.
@@ -505,15 +531,20 @@ where
                 self.leave_zero(number, left, integration);
                 // As at a start, one that goes in its direction from now on is due.
                 let now = self.search.side(number);
-                let turns = self.search.stands_at_zero(number) && now != side;
+                let stands = self.search.stands_at_zero(number);
+                let turns = stands && now != side;
                 // A rate may be rounding.
-                let departs = || self.search.sign_of_departure(number, integration);
-                let is_due = turns && self.goes(number, now) && departs() == now;
+                let departs = |slack| self.search.sign_of_departure((number, slack), integration);
                 // Whatever has changed the motion, it must not lead behind a stop.
-                let falls = || self.jumps.is_never_negative(number) && departs() < 0.0;
-                if is_due || falls() {
+                let is_due = match self.jumps.is_never_negative(number) {
+                    true => stands && departs(integration.slack()) < 0.0,
+                    false => turns && self.goes(number, now) && departs(0.0) == now,
+                };
+                if is_due {
                     let due = self.closing(number, integration);
-                    self.due.push_back(Due::at_once(due));
+                    if !self.due.iter().any(|other| other.number == due) {
+                        self.due.push_back(Due::at_once(due));
+                    }
                 }
                 continue;
             }

@@ -37,6 +37,11 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         matches!(self.due, Due::PhaseEnd(_))
     }
 
+    /// Errors of a component of the state within the tolerance.
+    pub(crate) fn slack(&self) -> f64 {
+        self.run.slack()
+    }
+
     /// The present moment.
     pub(crate) fn at(&self) -> Timed<N> {
         self.run.at

@@ -206,6 +206,7 @@ struct Departing<'a, V, const N: usize> {
     events: &'a V,
     number: usize,
     at: Timed<N>,
+    slack: f64,
 }
 
 impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
@@ -213,7 +214,7 @@ impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
 
     fn with<F: Flow<N>>(self, flow: &F) -> f64 {
         let here = (self.at.t, &self.at.x, flow.dimension());
-        let [lie] = LieDerivatives::along(here, 0.0, |t, x| {
+        let [lie] = LieDerivatives::along(here, self.slack, |t, x| {
             let path = flow_path(t, x, |t, x| flow.field(t, x));
             [self.events.value(self.number, path.0, &path.1)]
         });
@@ -305,15 +306,16 @@ where
     }
 
     /// The sign of a function that is at zero, as soon as the motion has left the present state; 0
-    /// where the first three derivatives vanish.
+    /// where the first three derivatives vanish. Components of the state are known up to `slack`.
     pub(crate) fn sign_of_departure(
         &self,
-        number: usize,
+        (number, slack): (usize, f64),
         integration: &Integration<'_, S, N, G>,
     ) -> f64 {
         integration.with_flow(Departing {
             events: &self.events,
             number,
+            slack,
             at: Timed {
                 t: integration.t(),
                 x: *integration.x(),
@@ -370,6 +372,12 @@ where
             Standing::AtStart(left) | Standing::At(left) => left.abs(),
             Standing::Left | Standing::Leaving(_) => 0.0,
         }
+    }
+
+    /// Whether a function stood at a zero where the last step began.
+    pub(crate) fn stood_at_zero(&self, number: usize) -> bool {
+        let before = self.known_before.get(number).map(|known| known.standing);
+        matches!(before, Some(Standing::AtStart(_) | Standing::At(_)))
     }
 
     /// Whether a function has not left its last zero.
