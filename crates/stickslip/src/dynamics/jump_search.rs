@@ -257,10 +257,18 @@ where
             x: *integration.x(),
         };
         for number in 0..self.counts.len() {
-            match self.search.sign_at(number, &at) {
+            match self.unless_behind(number, self.search.sign_at(number, &at)) {
                 0.0 => self.search.stand_at_zero(number, 0.0, 0.0),
                 sign => self.search.set_side(number, sign),
             }
+        }
+    }
+
+    /// The sign of a function; 0 where a gap is negative, which is an error within the tolerance.
+    fn unless_behind(&self, number: usize, sign: f64) -> f64 {
+        match sign < 0.0 && self.jumps.is_never_negative(number) {
+            true => 0.0,
+            false => sign,
         }
     }
 
@@ -335,6 +343,7 @@ where
             let side = self
                 .search
                 .sign_beyond(number, (left, distance), &Timed { t, x });
+            let side = self.unless_behind(number, side);
             if side != 0.0 {
                 self.search.set_side(number, side);
             }
@@ -450,8 +459,11 @@ where
             t: integration.t(),
             x: *integration.x(),
         };
+        let distance = integration.distance_to_settle();
+        let sign = self.search.sign_beyond(number, (left, distance), &at);
+        let sign = self.unless_behind(number, sign);
         let search = &mut self.search;
-        match search.sign_beyond(number, (left, integration.distance_to_settle()), &at) {
+        match sign {
             0.0 => {
                 let rate = search.sign_of_rate(number, &at, &integration.velocity());
                 search.stand_at_zero(number, left, rate);
