@@ -293,10 +293,10 @@ fn solved(
             }
             let factor =
                 graph.binary(Binary::Quotient, matrix[row][pivot], matrix[pivot][pivot])?;
-            for column in pivot..count {
-                let part = graph.binary(Binary::Product, factor, matrix[pivot][column])?;
-                matrix[row][column] =
-                    graph.binary(Binary::Difference, matrix[row][column], part)?;
+            let lead = matrix[pivot].clone();
+            for (entry, lead) in matrix[row].iter_mut().zip(lead).skip(pivot) {
+                let part = graph.binary(Binary::Product, factor, lead)?;
+                *entry = graph.binary(Binary::Difference, *entry, part)?;
             }
             let part = graph.binary(Binary::Product, factor, right[pivot])?;
             right[row] = graph.binary(Binary::Difference, right[row], part)?;
@@ -437,13 +437,13 @@ fn settled(
     let impulse = graph.binary(Binary::Quotient, rate, effect)?;
     let ways = ways(graph, (number, equations, acts))?;
     let mut after = Vec::with_capacity(file.states.len());
-    for state in 0..file.states.len() {
+    for (state, way) in ways.into_iter().enumerate().take(file.states.len()) {
         let mut id = graph.state(state);
         if let Some(acts) = acts.get(state).copied().flatten() {
             let part = graph.binary(Binary::Product, acts, impulse)?;
             id = graph.binary(Binary::Difference, id, part)?;
         }
-        if let Some(way) = ways[state] {
+        if let Some(way) = way {
             let part = graph.binary(Binary::Product, way, gap)?;
             id = graph.binary(Binary::Difference, id, part)?;
         }

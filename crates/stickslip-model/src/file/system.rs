@@ -317,7 +317,8 @@ impl System {
                 values.push(behind[0]);
                 behind.clone_from(&extended);
                 switching.after(number, t, &mut behind);
-                values.extend(behind);
+                // What inputs hold depends on the time since they began.
+                values.extend(&behind[..x.len()]);
             }
             values
         };

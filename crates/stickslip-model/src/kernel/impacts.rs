@@ -208,8 +208,9 @@ fn solved<T: Scalar>(touching: &[Touching<T>], chosen: &[usize]) -> Option<Vec<T
         right.swap(pivot, best);
         for row in pivot + 1..count {
             let factor = matrix[row][pivot] / matrix[pivot][pivot];
-            for column in pivot..count {
-                matrix[row][column] = matrix[row][column] - factor * matrix[pivot][column];
+            let lead = matrix[pivot].clone();
+            for (entry, lead) in matrix[row].iter_mut().zip(lead).skip(pivot) {
+                *entry = *entry - factor * lead;
             }
             right[row] = right[row] - factor * right[pivot];
         }
