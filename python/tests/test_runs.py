@@ -237,7 +237,7 @@ def test_a_bouncing_ball_lands_when_it_must():
     # A run that ends at a jump ends behind it.
     short = ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 1), [5, 0])
     assert short.t[-1] == 1 and np.allclose(short.y[:, -1], [0, 5], rtol=0, atol=1e-13)
-    with pytest.warns(ss.SolverWarning, match="at `bounce`.*what comes to rest needs a contact"):
+    with pytest.warns(ss.SolverWarning, match="at `bounce`.*what comes to rest needs a stop"):
         ss.solve_ivp(ss.System({h: v, v: -g}, jumps=[bounce]), (0, 4), [5, 0])
 
 
