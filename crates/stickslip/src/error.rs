@@ -131,8 +131,8 @@ pub enum Error {
     },
     /// The state lies behind a stop, at a start or after a jump.
     #[error(
-        "the gap of the stop {number} is {} at t = {t}, x = {x}, but must not be negative; start in \
-            front of the stop, or let no jump lead behind it", readable(*gap), t = readable(*t)
+        "the gap of the stop {number} is {} at t = {t}, x = {x}, but must not be negative; start \
+            in front of the stop, or let no jump lead behind it", readable(*gap), t = readable(*t)
     )]
     BehindStop {
         /// Number of the stop's impact, counted from the contacts through the jumps.

@@ -620,8 +620,8 @@ impl<'a> Builder<'a> {
         if !self.chooses {
             return Err(
                 Problem::new("a choice can stand only in what a jump sets", name).help(
-                    "in fields and laws what switches is a contact, by_side(contact, below, above), \
-                     a jump that sets a discrete state, or a switch",
+                    "in fields and laws what switches is a contact, by_side(contact, below, \
+                     above), a jump that sets a discrete state, or a switch",
                 ),
             );
         }

@@ -56,8 +56,8 @@ pub trait Interface {
                 let is_jump = |&at: &usize| system.is_some_and(|system| at >= system.contacts());
                 let help = match !is_held && contacts.iter().any(is_jump) {
                     true => {
-                        "; jumps hold nothing: what comes to rest needs a stop there, [stops.NAME], or a \
-                             contact"
+                        "; jumps hold nothing: what comes to rest needs a stop there, \
+                         [stops.NAME], or a contact"
                     }
                     false => "",
                 };

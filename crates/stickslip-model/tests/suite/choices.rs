@@ -110,8 +110,9 @@ fn a_choice_elsewhere_is_refused() {
 #[test]
 fn composed_functions_have_their_values() {
     let text = "name = \"functions\"\n[states]\nclamp = \"\"\n[parameters]\nx = 0.25\n[discrete]\n\
-                a = \"asin(x)\"\nb = \"acos(-x)\"\nc = \"log10(1000 + x)\"\nd = \"hypot(3*x, 4*x)\"\n\
-                e = \"clamp(x, 0.5, 1)\"\nf = \"clamp(4*x + 1, 0.5, 1)\"\n[field]\nclamp = \"clamp\"\n\
+                a = \"asin(x)\"\nb = \"acos(-x)\"\nc = \"log10(1000 + x)\"\n\
+                d = \"hypot(3*x, 4*x)\"\ne = \"clamp(x, 0.5, 1)\"\n\
+                f = \"clamp(4*x + 1, 0.5, 1)\"\n[field]\nclamp = \"clamp\"\n\
                 [start]\nclamp = 1\n";
     let start = system(text).start().unwrap();
     let close = |found: f64, exact: f64| {
