@@ -17,8 +17,8 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impacts {
     /// For each stop: gap, its size, rate, its size, restitution, and what a unit of impulse at
-    /// each stop adds to the rate. Then, for each stop, what a unit of impulse adds to each state, and
-    /// the direction in which the state opens the gap by one.
+    /// each stop adds to the rate. Then, for each stop, what a unit of impulse adds to each state,
+    /// and the direction in which the state opens the gap by one.
     pub parts: Tape,
     /// The discrete state of each stop: 1 while it carries.
     pub closed: Vec<usize>,
