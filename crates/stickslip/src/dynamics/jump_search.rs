@@ -309,8 +309,8 @@ where
         }
         let step = integration.last_step();
         self.search.in_step(&step);
-        if let Some(landing) = self.missed_return(integration) {
-            let (t, x) = (step.t_start, step.x_start);
+        let (t, x) = (step.t_start, step.x_start);
+        if let Some(landing) = self.missed_return(&Timed { t, x }, integration) {
             integration.stop_at(Timed { t, x });
             self.search.cut(&x, &x);
             self.due.push_back(Due::at_once(landing));
@@ -353,7 +353,11 @@ where
 
     /// The jump that ends flights of which the last step shows none: a gap that was zero at its
     /// start is negative at its end, and the return lies below rounding.
-    fn missed_return(&self, integration: &Integration<'a, S, N, G>) -> Option<usize> {
+    fn missed_return(
+        &self,
+        start: &Timed<N>,
+        integration: &Integration<'a, S, N, G>,
+    ) -> Option<usize> {
         let at = integration.at();
         let is_missed = |&number: &usize| {
             let mut events = self.search.last_events().iter();
@@ -361,6 +365,7 @@ where
                 && self.search.stood_at_zero(number)
                 && !events.any(|event| event.number == number)
                 && self.search.sign_at(number, &at) < 0.0
+                && self.search.hardly_rises(number, start, integration)
         };
         let number = (0..self.counts.len()).find(is_missed)?;
         self.jumps.rests(number)

@@ -210,15 +210,15 @@ struct Departing<'a, V, const N: usize> {
 }
 
 impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
-    type Output = f64;
+    type Output = LieDerivatives;
 
-    fn with<F: Flow<N>>(self, flow: &F) -> f64 {
+    fn with<F: Flow<N>>(self, flow: &F) -> LieDerivatives {
         let here = (self.at.t, &self.at.x, flow.dimension());
         let [lie] = LieDerivatives::along(here, self.slack, |t, x| {
             let path = flow_path(t, x, |t, x| flow.field(t, x));
             [self.events.value(self.number, path.0, &path.1)]
         });
-        lie.leading(false).1
+        lie
     }
 }
 
@@ -312,15 +312,34 @@ where
         (number, slack): (usize, f64),
         integration: &Integration<'_, S, N, G>,
     ) -> f64 {
-        integration.with_flow(Departing {
+        let departing = Departing {
             events: &self.events,
             number,
             slack,
-            at: Timed {
-                t: integration.t(),
-                x: *integration.x(),
-            },
-        })
+            at: integration.at(),
+        };
+        integration.with_flow(departing).leading(false).1
+    }
+
+    /// Whether a function that leaves zero at a moment comes back from a height that is rounding.
+    pub(crate) fn hardly_rises(
+        &self,
+        number: usize,
+        at: &Timed<N>,
+        integration: &Integration<'_, S, N, G>,
+    ) -> bool {
+        let (events, slack, at) = (&self.events, 0.0, *at);
+        let departing = Departing {
+            events,
+            number,
+            at,
+            slack,
+        };
+        let [_, rate, bend, _] = integration.with_flow(departing).values;
+        let (slopes, in_time) = self.slopes(number, &at);
+        let size = self.size.sup(&at.x.abs());
+        let size = slopes.abs().dot(&size) + in_time.abs() * at.t.abs();
+        rate * rate <= 2.0 * bend.abs() * STATE_ROUNDING * size
     }
 
     /// Whether one of the first `states` components moves a function.
