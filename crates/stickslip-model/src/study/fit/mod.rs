@@ -209,6 +209,16 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         }
         count => problem.best_starts(&given, count, SEARCHED_FROM)?,
     };
+    let mut states = request.file.states.iter();
+    if request.segments > 1
+        && let Some(held) = states.find(|state| state.is_discrete)
+    {
+        return Err(FitError::Request(format!(
+            "{} segments need a start of the discrete state `{}` each, which no derivative gives: \
+             leave segments out",
+            request.segments, held.name
+        )));
+    }
     if request.segments > 1
         && let Some(start) = starts.first()
         && let Some(shot) = shooting::shot(&problem, start, request.segments)
