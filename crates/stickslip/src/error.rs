@@ -144,6 +144,22 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// A stop carries at a start, and the state is not on it.
+    #[error(
+        "the stop {number} carries at t = {t}, x = {x}, but its gap or the rate of that is {} and \
+            not zero; start on the stop, or with its discrete state at 0", readable(*off),
+            t = readable(*t)
+    )]
+    OffStop {
+        /// Number of the jump with this function, counted from the contacts through the jumps.
+        number: usize,
+        /// The gap, or its rate.
+        off: f64,
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// The function of a jump or of a switch, or what a jump sets, is not a number.
     #[error(
         "{what} with number {number} is not a number at t = {t}, x = {x}; write it so that it is \
@@ -501,6 +517,7 @@ impl Error {
             Error::StartOutsideDomain { t, x, .. }
             | Error::Undefined { t, x, .. }
             | Error::BehindStop { t, x, .. }
+            | Error::OffStop { t, x, .. }
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }
             | Error::NotLipschitz { t, x }

@@ -89,9 +89,14 @@ pub trait Interface {
                     at(t, x)
                 )
             }
-            Error::BehindStop { number, .. } => {
+            Error::BehindStop { number, .. } | Error::OffStop { number, .. } => {
                 let numbered = format!("the stop {number} ");
-                let named = format!("the stop {} ", name(*number));
+                // The event belongs to the stop, and its name continues that of the stop.
+                let event = name(*number);
+                let stop = event
+                    .rsplit_once('.')
+                    .map_or(event.clone(), |(stop, _)| format!("{stop}`"));
+                let named = format!("the stop {stop} ");
                 error.to_string().replacen(&numbered, &named, 1)
             }
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),

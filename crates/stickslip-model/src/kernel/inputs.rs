@@ -380,6 +380,22 @@ impl<const N: usize> Jumps<N> for Switching {
         matches!(self.jumps[jump].of_stop, Some((_, StopEvent::Impact)))
     }
 
+    fn kept(&self, jump: usize, x: &[f64]) -> Option<f64> {
+        let (stop, event) = self.jumps[jump].of_stop?;
+        let closed = *self.impacts.as_ref()?.closed.get(stop)?;
+        // The discrete state of a stop that carries is added to its gap.
+        let kept = match event {
+            StopEvent::Impact => 1.0,
+            StopEvent::Landing => 0.0,
+            StopEvent::LiftOff => return None,
+        };
+        (*x.get(closed)? > 0.5).then_some(kept)
+    }
+
+    fn is_reaction(&self, jump: usize) -> bool {
+        matches!(self.jumps[jump].of_stop, Some((_, StopEvent::LiftOff)))
+    }
+
     fn most(&self, jump: usize) -> Option<u64> {
         self.jumps[jump].most
     }

@@ -154,7 +154,13 @@ impl TangentMap {
 
     /// An orbit that begins in stick is assumed to have been on Σ before: a change across Σ
     /// vanishes.
+    /// One on a stop that carries has landed there.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
+        for landing in system.landings(at) {
+            for column in &mut self.columns {
+                *column = &landing.by_state * &*column;
+            }
+        }
         for (contact, normal) in system.normals(mode, at) {
             // The projection onto Σ is along the difference of one side's field and the sliding
             // field, which lies between both sides' fields.

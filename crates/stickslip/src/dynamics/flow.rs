@@ -117,6 +117,8 @@ where
                 .event_within_mode(number, &mut S::Branch::default())
                 .is_some(),
             is_of_jump: false,
+            is_watched: true,
+            is_condition: true,
         };
         let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
         let guards = guards.filter(|guard| guard.contact < self.view.contacts);
@@ -125,6 +127,9 @@ where
             contact: self.view.contacts + jump,
             goes_on: false,
             is_of_jump: true,
+            is_watched: self.view.jumps.is_searched(jump),
+            is_condition: self.view.jumps.is_never_negative(jump)
+                || self.view.jumps.is_reaction(jump),
         });
         guards.chain(jumps).collect()
     }

@@ -170,6 +170,10 @@ where
                 continue;
             }
             let sign = search.sign_at(number, &at);
+            if sign < 0.0 && self.jumps.is_reaction(number) {
+                self.due.push_back(Due::at_once(number));
+                continue;
+            }
             if sign < 0.0 && self.jumps.is_never_negative(number) {
                 self.check_gap(number, integration)?;
             } else if sign != 0.0 {
@@ -310,14 +314,24 @@ where
         let step = integration.last_step();
         self.search.in_step(&step);
         let (t, x) = (step.t_start, step.x_start);
-        if let Some(landing) = self.missed_return(&Timed { t, x }, integration) {
+        if let Some(number) = self.missed_return(&Timed { t, x }, integration) {
             integration.stop_at(Timed { t, x });
             self.search.cut(&x, &x);
-            self.due.push_back(Due::at_once(landing));
+            self.due.push_back(Due {
+                is_unresolved: true,
+                ..Due::at_once(number)
+            });
             return Ok(());
         }
         let events = self.search.last_events();
         let Some(&EventRecord { t, x, .. }) = events.first() else {
+            // Only a flight that rounding hides leaves a reaction that pulls.
+            let pulls =
+                |&number: &usize| self.jumps.is_reaction(number) && self.search.side(number) < 0.0;
+            if let Some(number) = (0..self.counts.len()).find(pulls) {
+                integration.stop_at(integration.at());
+                self.due.push_back(Due::at_once(number));
+            }
             return self.check(integration);
         };
         let kinks = (self.next_kink - t).abs() <= TIME_ROUNDING * t.abs();
@@ -351,7 +365,7 @@ where
         Ok(())
     }
 
-    /// The jump that ends flights of which the last step shows none: a gap that was zero at its
+    /// The impact that ends a flight of which the last step shows none: a gap that was zero at its
     /// start is negative at its end, and the return lies below rounding.
     fn missed_return(
         &self,
@@ -367,8 +381,7 @@ where
                 && self.search.sign_at(number, &at) < 0.0
                 && self.search.hardly_rises(number, start, integration)
         };
-        let number = (0..self.counts.len()).find(is_missed)?;
-        self.jumps.rests(number)
+        (0..self.counts.len()).find(is_missed)
     }
 
     /// The next pending jump.
@@ -415,11 +428,13 @@ where
         let Some(due) = self.due.pop_front() else {
             return Ok(None);
         };
-        if due.is_unresolved {
+        // A flight that rounding hides is none.
+        let hidden = self.jumps.rests(due.number).filter(|_| due.is_unresolved);
+        if due.is_unresolved && hidden.is_none() {
             integration.end_pile_up()?;
             return Ok(None);
         }
-        let number = due.number;
+        let number = hidden.unwrap_or(due.number);
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
@@ -445,6 +460,9 @@ where
                 integration.end_accumulation_of(self.contacts + number)?;
             }
             self.detect_jumps(integration, [&before, &after], Some(number))?;
+            if hidden.is_some() {
+                self.hold_down(due.number, &Timed { t, x: after });
+            }
         }
         Ok(Some(Transition {
             t,
@@ -455,6 +473,17 @@ where
             contact: number,
             residual,
         }))
+    }
+
+    /// Where rounding hides the flight before an impact, the body stays on its stop, even if the
+    /// reaction pulls by as little. It lifts off once the reaction has pushed.
+    fn hold_down(&mut self, impact: usize, at: &Timed<N>) {
+        for number in 0..self.counts.len() {
+            if self.jumps.leaves_at_zero(number, impact) && self.search.sign_at(number, at) <= 0.0 {
+                self.search.set_side(number, -1.0);
+                self.due.retain(|due| due.number != number);
+            }
+        }
     }
 
     /// What a jump's function is just after it: at zero, up to what was `left` of it before, or

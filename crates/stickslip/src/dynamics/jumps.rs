@@ -105,6 +105,18 @@ pub trait Jumps<const N: usize> {
         false
     }
 
+    /// The value that the motion from a state keeps for the function of a jump: a stop that carries
+    /// keeps its gap closed, and the rate of that zero. By default it keeps none.
+    fn kept(&self, _jump: usize, _x: &[f64]) -> Option<f64> {
+        None
+    }
+
+    /// Whether the function of a jump is a reaction, which only pushes: a run that starts where it
+    /// pulls begins with this jump.
+    fn is_reaction(&self, _jump: usize) -> bool {
+        false
+    }
+
     /// Whether a component of the state takes discrete values, which jumps set. Tangent vectors
     /// have no component along it.
     fn is_discrete(&self, _state: usize) -> bool {

@@ -184,6 +184,12 @@ pub struct Guard {
     pub goes_on: bool,
     /// Whether the state jumps at its zero.
     pub is_of_jump: bool,
+    /// Whether a run looks for its zero. The function of a jump that only follows others passes
+    /// through zero without any effect.
+    pub is_watched: bool,
+    /// Whether the state is possible only where it is positive: a contact's guard, a gap, and a
+    /// reaction.
+    pub is_condition: bool,
 }
 
 /// A system with its solver, with numbers of states and contacts known at run time.
@@ -258,6 +264,13 @@ pub trait Dynamics: Send + Sync {
 
     /// The contacts that stick in a mode, with the gradients of their boundary functions.
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
+
+    /// The functions that the motion keeps besides those of contacts that stick: the gaps of stops
+    /// that carry, and their rates. What each is off, with its gradient.
+    fn kept(&self, at: &Moment) -> Vec<(f64, Vector)>;
+
+    /// The effects of the jumps that put a state on the stops that carry there.
+    fn landings(&self, at: &Moment) -> Vec<Reset>;
 
     /// The guard whose zero a transition is, where the field jumps there.
     fn discontinuity_guard(&self, at: &Transition) -> Option<usize>;

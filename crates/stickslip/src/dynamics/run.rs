@@ -44,9 +44,11 @@ where
     ) -> Result<Run<'a, S, V, J, N, G>, Error> {
         let start = self.timed(start);
         let checked = self.check_inputs(&start);
-        let start = (start, self.moving);
-        let integration = checked
-            .and_then(|()| Integration::with_stepper(self.system, start, t_end, options, stepper));
+        let settled = checked.and_then(|()| self.settled(start, options));
+        let integration = settled.and_then(|start| {
+            let start = (start, self.moving);
+            Integration::with_stepper(self.system, start, t_end, options, stepper)
+        });
         let mut run = self.run(integration, t_end, options)?;
         run.watch(sections);
         Ok(run)
@@ -60,7 +62,7 @@ where
         options: &Options,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let in_mode = (S::restored(mode), &self.timed(inside));
-        let start = (self.timed(start), self.moving);
+        let start = (self.landed(self.timed(start)), self.moving);
         let integration = Integration::in_mode(self.system, in_mode, start, t_end, options);
         Ok(Box::new(self.run(integration, t_end, options)?))
     }

@@ -196,6 +196,27 @@ where
         normals.map(|(i, normal)| (i, of.vector(&normal))).collect()
     }
 
+    fn kept(&self, at: &Moment) -> Vec<(f64, Vector)> {
+        let of = self.view();
+        let here = of.timed(at);
+        let kept = of.kept(here).map(|(jump, off)| {
+            let (slopes, _) = of.gradient(|t, x| of.jumps.when(jump, t, x), &here);
+            let mut gradient = of.vector(&slopes);
+            let discrete = (0..self.states).filter(|&state| of.jumps.is_discrete(state));
+            discrete.for_each(|state| gradient[state] = 0.0);
+            (off, gradient)
+        });
+        kept.collect()
+    }
+
+    fn landings(&self, at: &Moment) -> Vec<Reset> {
+        let of = self.view();
+        let landings = of.landings(of.timed(at));
+        landings
+            .map(|jump| self.reset(self.contacts + jump, at))
+            .collect()
+    }
+
     fn discontinuity_guard(&self, at: &Transition) -> Option<usize> {
         let of = self.view();
         of.system.discontinuity_guard(&of.typed_transition(at))

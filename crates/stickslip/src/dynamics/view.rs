@@ -6,7 +6,8 @@ use super::{Kink, Modes, Moment, Passage, Phase, Summary, Transition, Vector};
 use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    EventOf, EventRecord, Integration, PhaseOf, Switched, TransitionKind, TransitionOf, gradient,
+    EventOf, EventRecord, Integration, Options, PhaseOf, Switched, TOLERATED, TransitionKind,
+    TransitionOf, gradient,
 };
 use crate::ode::Timed;
 use crate::orbit::SummaryOf;
@@ -77,6 +78,53 @@ where
             }),
             None => Ok(()),
         }
+    }
+
+    /// The jumps whose functions the motion from a state keeps, with what is off.
+    pub(super) fn kept(&self, Timed { t, x }: Timed<N>) -> impl Iterator<Item = (usize, f64)> {
+        (0..self.jumps.count()).filter_map(move |jump| {
+            let kept = self.jumps.kept(jump, x.as_slice())?;
+            Some((jump, self.jumps.when(jump, t, components(&x)) - kept))
+        })
+    }
+
+    /// The jumps that put a state on the stops that carry there.
+    pub(super) fn landings(&self, at: Timed<N>) -> impl Iterator<Item = usize> {
+        self.kept(at).filter_map(|(jump, _)| self.jumps.rests(jump))
+    }
+
+    /// A moment on the stops that carry there. What is off within the tolerance would grow: the
+    /// motion keeps its rate.
+    ///
+    /// # Errors
+    /// [`Error::OffStop`] where more is off than errors within the tolerance may move it.
+    pub(super) fn settled(&self, at: Timed<N>, options: &Options) -> Result<Timed<N>, Error> {
+        for (jump, off) in self.kept(at) {
+            let (slopes, _) = self.gradient(|t, x| self.jumps.when(jump, t, x), &at);
+            let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+            if off.abs() > TOLERATED * slopes.abs().dot(&error) {
+                return Err(Error::OffStop {
+                    number: self.contacts + jump,
+                    off,
+                    t: at.t,
+                    x: Point::from(&at.x),
+                });
+            }
+        }
+        Ok(self.landed(at))
+    }
+
+    /// A moment on the stops that carry there, by their landings.
+    pub(super) fn landed(&self, at: Timed<N>) -> Timed<N> {
+        let Timed { t, x } = at;
+        let landed = |x: State<N>, landing| self.jumps.set(landing, t, components(&x)).into();
+        let is_off = self.kept(at).any(|(_, off)| off != 0.0);
+        let x = if is_off {
+            self.landings(at).fold(x, landed)
+        } else {
+            x
+        };
+        Timed { t, x }
     }
 
     /// The first input that kinks at a time.

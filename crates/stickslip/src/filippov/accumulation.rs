@@ -117,7 +117,10 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         let from = self.run.at;
         let sticking = self.sticking_point.as_ref();
         let sticking = sticking.map(|point| (point.at, Some(point.contact)));
-        let landing = self.landing.as_ref().map(|(at, _)| (*at, None));
+        // The point is extrapolated. Where its time has passed, it is another instant's state, and
+        // the landing that follows removes what is left of gap and rate here.
+        let landing = self.landing.as_ref();
+        let landing = landing.map(|(at, _)| (if at.t > from.t { *at } else { from }, None));
         let Some((to, contact)) = sticking.or(landing) else {
             return Progress::End(self.summary(Ending::Failed));
         };

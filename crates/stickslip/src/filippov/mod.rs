@@ -46,11 +46,11 @@ pub(crate) use options::{MIN_ABSOLUTE, MIN_TOLERANCE};
 pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
-pub(crate) use sections::SearchMemory;
 pub use sections::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, OrbitWithEvents, Plane, Strobe,
     Watched, WatchedProgress, solve_with_events,
 };
+pub(crate) use sections::{SearchMemory, TOLERATED};
 pub(crate) use solve::notify;
 pub use solve::{Failure, run, solve};
 pub(crate) use stepper::Stepper;

@@ -117,12 +117,18 @@ pub(crate) fn equations(
     // additional equation states that the equilibrium lies on the boundary.
     let onto = flow.settled(at) - &at.x;
     let length = |normal: &Vector| normal.rows(0, free).norm();
-    let mut normals = system.normals(mode, at);
+    let normals = system.normals(mode, at).into_iter();
+    let normals = normals.map(|(_, normal)| (normal.dot(&onto), normal));
+    let kept = system
+        .kept(at)
+        .into_iter()
+        .map(|(off, gradient)| (-off, gradient));
+    let mut normals: Vec<(f64, Vector)> = normals.chain(kept).collect();
     normals.retain(|(_, normal)| length(normal) > 0.0);
     let mut matrix = Matrix::zeros(free + normals.len(), free);
     let mut right = Vector::zeros(matrix.nrows());
     for i in 0..free {
-        for j in 0..free {
+        for j in (0..free).filter(|&j| !system.is_constant_between_jumps(j)) {
             matrix[(i, j)] = jacobian[(i, j)];
         }
         right[i] = -velocity[i];
@@ -130,11 +136,11 @@ pub(crate) fn equations(
             matrix[(i, i)] = jacobian.amax().max(1.0);
         }
     }
-    for (k, (_, normal)) in normals.iter().enumerate() {
+    for (k, (onto, normal)) in normals.iter().enumerate() {
         for j in 0..free {
             matrix[(free + k, j)] = normal[j];
         }
-        right[free + k] = normal.dot(&onto);
+        right[free + k] = *onto;
     }
     if matrix.iter().chain(&velocity).any(|v| !v.is_finite()) {
         return None;
@@ -146,7 +152,7 @@ pub(crate) fn equations(
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
         // A rate that no state changes has no zero.
-        if size == 0.0 && *right != 0.0 && !mode.any_sticks() {
+        if size == 0.0 && *right != 0.0 && normals.is_empty() {
             return None;
         }
         let per_size = if size > rounding { 1.0 / size } else { 0.0 };
@@ -177,11 +183,15 @@ pub(crate) fn along_boundaries(
     free: usize,
 ) -> Matrix {
     let of_states = jacobian.view((0, 0), (free, free));
-    let normals = system.normals(mode, at).into_iter();
+    let normals = system
+        .normals(mode, at)
+        .into_iter()
+        .map(|(_, normal)| normal);
+    let normals = normals.chain(system.kept(at).into_iter().map(|(_, gradient)| gradient));
     let constant = (0..free).filter(|&i| system.is_constant_between_jumps(i));
     let constant = constant.map(|i| unit(free, i));
     let normals: Vec<Vector> = normals
-        .map(|(_, normal)| normal.rows(0, free).into_owned())
+        .map(|normal| normal.rows(0, free).into_owned())
         .chain(constant)
         .collect();
     if normals.is_empty() {
@@ -199,7 +209,7 @@ pub(crate) fn along_boundaries(
 pub(crate) fn least_guard(system: &dyn Dynamics, mode: Modes, at: &Moment) -> f64 {
     let flow = system.flow(mode, at);
     let guards = flow.guards().into_iter();
-    let guards = guards.filter(|guard| !guard.is_of_jump);
+    let guards = guards.filter(|guard| guard.is_condition);
     let values = guards.map(|guard| flow.guard(guard.number, at));
     values.fold(f64::INFINITY, f64::min)
 }

@@ -175,13 +175,32 @@ impl Recurrence {
                 && let Some(remainder) = self.remaining(last, lag)
             {
                 let pattern = self.pattern(last, lag, remainder);
-                if self.forcing.is_some() || self.is_wide(&pattern, remainder) {
+                let is_wide = || self.forcing.is_some() || self.is_wide(&pattern, remainder);
+                if !self.accumulates(last, lag, &pattern) && is_wide() {
                     let shortest = self.shortest(last, lag);
                     repeating = shortest.map(|lag| self.pattern(last, lag, remainder));
                 }
             }
         }
         repeating
+    }
+
+    /// Whether returns accumulate in time, as impacts do before a landing: they come ever closer in
+    /// state as well, and no period is behind it.
+    fn accumulates(&self, last: usize, lag: usize, pattern: &Pattern) -> bool {
+        if self
+            .forcing
+            .is_some_and(|forcing| pattern.period < 0.5 * forcing)
+        {
+            return true;
+        }
+        let time = |periods: usize| {
+            let point = self.points.get(last.checked_sub(periods * lag)?)?;
+            Some(point.at.t)
+        };
+        let period = |k: usize| Some(time(k)? - time(k + 1)?);
+        let shrinks = |k: usize| Some(period(k)? < (1.0 - LARGEST_REMAINDER) * period(k + 1)?);
+        (0..RATIOS).all(|k| shrinks(k) == Some(true))
     }
 
     fn is_same(&self, one: &SectionPoint, other: &SectionPoint) -> bool {

@@ -92,7 +92,7 @@ fn minima(
             let t = step.t_start + s * (step.t_end - step.t_start);
             Moment { t, x: solution(t) }
         };
-        for guard in flow.guards() {
+        for guard in flow.guards().into_iter().filter(|guard| guard.is_watched) {
             let (number, contact) = (guard.number, guard.contact);
             let jet = |step, s| flow.guard_jet(number, &moment(step, s));
             let sample = |(step, s)| Sample {

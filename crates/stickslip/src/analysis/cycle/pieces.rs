@@ -133,8 +133,9 @@ impl Shooting<'_> {
         (end.t == t_end || t_end <= begin.t).then_some(Piece { begin, end, steps })
     }
 
-    /// The derivative, by state and time, of the state in which a segment begins. A change of the
-    /// first `free` components projects sticking contacts onto their boundaries.
+    /// The derivative, by state and time, of the state in which a segment begins: on the stops that
+    /// carry, as after their landings. A change of the first `free` components projects sticking
+    /// contacts onto their boundaries.
     pub(super) fn projected(
         &self,
         segment: &Segment,
@@ -151,19 +152,24 @@ impl Shooting<'_> {
                 flow.guard_gradient(contact, at)
             })
             .collect();
-        let identity = Matrix::identity(n, n);
+        let (mut landed, mut landed_in_time) = (Matrix::identity(n, n), Vector::zeros(n));
+        for landing in self.system.landings(at) {
+            landed = &landing.by_state * landed;
+            landed_in_time = &landing.by_state * landed_in_time + landing.by_time;
+        }
         if gradients.is_empty() {
-            return (identity, Vector::zeros(n));
+            return (landed, landed_in_time);
         }
         let normals = Matrix::from_fn(n, gradients.len(), |i, k| gradients[k].0[i]);
         let in_time = Vector::from_fn(gradients.len(), |k, _| gradients[k].1);
         let mut back = normals.clone();
         back.rows_mut(free, n - free).fill(0.0);
         let Some(inverse) = normals.tr_mul(&back).try_inverse() else {
-            return (identity, Vector::zeros(n));
+            return (landed, landed_in_time);
         };
         let back = back * inverse;
-        (identity - &back * normals.transpose(), -back * in_time)
+        let onto = Matrix::identity(n, n) - &back * normals.transpose();
+        (&onto * landed, onto * landed_in_time - back * in_time)
     }
 
     /// The derivative of the state at the end of a piece by that at its beginning.

@@ -6,6 +6,7 @@ use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::{Spectrum, uncertainties};
 use super::volume::growth;
+use crate::analysis::cycle::unit;
 use crate::dynamics::{
     Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
 };
@@ -264,10 +265,15 @@ impl Measurement<'_> {
     }
 
     /// A run that begins in stick was on Σ before: nothing across it survives. (The side from which
-    /// it came decides the direction of projection, on which no exponent depends.)
+    /// it came decides the direction of projection, on which no exponent depends.) Nor is there
+    /// anything along a discrete state.
     fn begin_on_boundary(&mut self, step: &Step) -> Option<()> {
         let (t, x) = (step.t_start, step.x_start.clone());
-        for gradient in self.gradients(step.mode, &Moment { t, x }) {
+        let states = x.len();
+        let discrete = (0..states).filter(|&state| self.tangent.system.is_discrete(state));
+        let mut gradients: Vec<Vector> = discrete.map(|state| unit(states, state)).collect();
+        gradients.extend(self.gradients(step.mode, &Moment { t, x }));
+        for gradient in gradients {
             let kernel = &gradient / gradient.norm();
             self.project(&kernel, &gradient, |_| ())?;
         }
@@ -283,7 +289,13 @@ impl Measurement<'_> {
     /// Orthogonalised gradients of the boundaries of sticking contacts.
     fn gradients(&self, mode: Modes, at: &Moment) -> Vec<Vector> {
         let mut across: Vec<Vector> = Vec::new();
-        for (_, mut gradient) in self.tangent.system.normals(mode, at) {
+        let system = self.tangent.system;
+        let normals = system
+            .normals(mode, at)
+            .into_iter()
+            .map(|(_, normal)| normal);
+        let kept = system.kept(at).into_iter().map(|(_, gradient)| gradient);
+        for mut gradient in normals.chain(kept) {
             for before in &across {
                 flatten(before, &mut gradient);
             }
@@ -328,7 +340,7 @@ impl Measurement<'_> {
     /// Carries the frame over the last step of an orbit.
     pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let is_stick = step.mode.any_sticks();
-        if std::mem::take(&mut self.is_fresh) && is_stick {
+        if std::mem::take(&mut self.is_fresh) {
             self.begin_on_boundary(step)
                 .ok_or_else(|| singular(step.t_end, &step.x_end))?;
         }
@@ -360,9 +372,7 @@ impl Measurement<'_> {
             }
         }
         let before = self.frame.replace(images);
-        if step.mode.any_sticks() {
-            self.stay_on_boundary(step);
-        }
+        self.stay_on_boundary(step);
         let error = self.tangent.error();
         let Some(lengths) = self.frame.orthonormalise_resolved(error) else {
             let t = 0.5 * (step.t_start + step.t_end);

@@ -324,7 +324,9 @@ where
             }
             here = self.exact(next);
         }
+        // Near a zero that rounding hides, a value may be larger than those at the ends.
         let size = before.value.abs().max(after.value.abs());
+        let size = size.max(self.over.rounding_at(&here));
         (here.value.abs() <= size).then_some(here)
     }
 }

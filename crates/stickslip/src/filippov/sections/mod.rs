@@ -13,7 +13,7 @@ use crate::system::{Mode, State};
 
 pub use common::{Plane, Strobe};
 pub use search::EventSearch;
-pub(crate) use search::SearchMemory;
+pub(crate) use search::{SearchMemory, TOLERATED};
 pub use solve::{OrbitWithEvents, solve_with_events};
 pub use watched::{Watched, WatchedProgress};
 

@@ -224,7 +224,7 @@ impl<V: EventFunctions<N>, const N: usize> UseFlow<N> for Departing<'_, V, N> {
 
 /// The errors of a run may add up to so many tolerances. Chosen: a state that stands closer behind
 /// a zero than this is taken for one at the zero.
-const TOLERATED: f64 = 100.0;
+pub(crate) const TOLERATED: f64 = 100.0;
 
 /// The sign of a sum of parts of this size, beyond rounding.
 fn clear_sign(value: f64, size: f64) -> f64 {
