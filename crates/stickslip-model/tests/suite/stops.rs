@@ -167,7 +167,7 @@ fn no_run_starts_behind_a_stop() {
     ));
     let words = run.words();
     assert!(
-        words.contains("the gap of the stop `floor.impact` is -0.25 at t = 0"),
+        words.contains("the gap of the stop `floor` is -0.25 at t = 0"),
         "{words}"
     );
 }

@@ -428,8 +428,9 @@ where
         let Some(due) = self.due.pop_front() else {
             return Ok(None);
         };
-        // A flight that rounding hides is none.
-        let hidden = self.jumps.rests(due.number).filter(|_| due.is_unresolved);
+        // A flight that rounding hides is none, unless it is one of a series.
+        let is_hidden = due.is_unresolved && !integration.is_in_series(self.contacts + due.number);
+        let hidden = self.jumps.rests(due.number).filter(|_| is_hidden);
         if due.is_unresolved && hidden.is_none() {
             integration.end_pile_up()?;
             return Ok(None);

@@ -206,6 +206,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         Ok(())
     }
 
+    /// Whether the last transitions form a series with this jump.
+    pub(crate) fn is_in_series(&self, jump: usize) -> bool {
+        let series = self.pile_up.series();
+        series.is_some_and(|series| series.contacts.contains(&jump))
+    }
+
     /// Begins a phase at the present state.
     pub(crate) fn begin_phase(&mut self) {
         self.run.from = self.run.at;

@@ -324,9 +324,8 @@ where
             }
             here = self.exact(next);
         }
-        // Near a zero that rounding hides, a value may be larger than those at the ends.
-        let size = before.value.abs().max(after.value.abs());
-        let size = size.max(self.over.rounding_at(&here));
-        (here.value.abs() <= size).then_some(here)
+        // Where rounding hides a zero, a value may be larger than those at the ends.
+        let size = |end: &EventProbe<N>| end.value.abs().max(self.over.rounding_at(end));
+        (here.value.abs() <= size(before).max(size(after))).then_some(here)
     }
 }
