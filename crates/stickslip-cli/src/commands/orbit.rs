@@ -99,7 +99,7 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         report.line("family", family_words(orbit.family));
     }
 
-    let (modes, stick) = phases_of_period(&recording.phases);
+    let (modes, stick) = phases_of_period(&**system.dynamics(), &recording.phases);
     let percent = 100.0 * stick / orbit.period;
     if let Some(phases) = explained(system, &modes) {
         report.line("phases", phases);

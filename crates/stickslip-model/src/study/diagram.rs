@@ -5,7 +5,7 @@ use stickslip::analysis::{
     Attractor, AttractorChange, Exponent, SequenceChange, StepBudget, SweepPoint, WhatChanges,
     attractor, attractor_of_many, carried_on, is_change, locate_changes, locate_changes_within,
 };
-use stickslip::dynamics::Vector;
+use stickslip::dynamics::{Moment, Vector};
 use stickslip::{Error, Options};
 
 use super::{largest, recurrence, reported};
@@ -99,8 +99,10 @@ impl Diagram<'_> {
         // A start that is given must be one; where an orbit is carried to, it may not be.
         let (start, reached) = match last {
             Some(AtValue { carried, .. }) => {
-                let reached = attractor_of_many(system, carried, &settings, self.options)?;
-                (carried.clone(), reached)
+                let x = carried.clone();
+                let carried = system.admitted(&Moment { t: 0.0, x }).x;
+                let reached = attractor_of_many(system, &carried, &settings, self.options)?;
+                (carried, reached)
             }
             None => {
                 let start = Vector::from(start(&here)?);

@@ -61,7 +61,7 @@ pub(crate) fn periodic_orbit<'py>(
         let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
         let dynamics = system.dynamics();
         follow(dynamics, start, t_end, &options, &[], &mut watcher)?;
-        Ok((orbit, phases_of_period(&phases)))
+        Ok((orbit, phases_of_period(&**dynamics, &phases)))
     })?;
     let (orbit, (phases, stick)) = orbit.whole(|error: Failure| error.raised(compiled))?;
     // The first multiplier of an autonomous system is trivial.

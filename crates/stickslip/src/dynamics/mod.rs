@@ -298,8 +298,37 @@ pub trait Dynamics: Send + Sync {
     /// contacts, as in its transitions.
     fn reset(&self, number: usize, at: &Moment) -> Reset;
 
+    /// The moment that stops admit next to one of an orbit at another parameter: on the stops that
+    /// carry, and in front of the others.
+    fn admitted(&self, at: &Moment) -> Moment;
+
+    /// The jump that follows where occurrences of a jump accumulate, such as the landing of a stop
+    /// for its impact. Both numbers are counted after those of the contacts.
+    fn rest_after(&self, number: usize) -> Option<usize>;
+
     /// Gradient of a section's function in the state, and its time derivative.
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64);
+}
+
+impl dyn Dynamics + '_ {
+    /// Which of the events of a cycle are impacts that accumulate before a landing. Their number is
+    /// that of the rounding, so that they count as part of the phase that the landing ends. The
+    /// jump of each event is given, counted after the contacts.
+    pub fn accumulating(&self, jumps: &[Option<usize>]) -> Vec<bool> {
+        let count = jumps.len();
+        let mut accumulating = vec![false; count];
+        for landing in 0..count {
+            for back in 1..count {
+                let at = (landing + count - back) % count;
+                let rest = jumps[at].and_then(|jump| self.rest_after(jump));
+                if rest.is_none() || rest != jumps[landing] {
+                    break;
+                }
+                accumulating[at] = true;
+            }
+        }
+        accumulating
+    }
 }
 
 /// The state at each time of a step.

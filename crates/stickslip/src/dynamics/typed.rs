@@ -302,6 +302,21 @@ where
         }
     }
 
+    fn admitted(&self, at: &Moment) -> Moment {
+        let of = self.view();
+        let Timed { t, x } = of.admitted(of.timed(at));
+        Moment {
+            t,
+            x: of.vector(&x),
+        }
+    }
+
+    fn rest_after(&self, number: usize) -> Option<usize> {
+        let of = self.view();
+        let jump = number.checked_sub(self.contacts)?;
+        Some(self.contacts + of.jumps.rests(jump)?)
+    }
+
     fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64) {
         let of = self.view();
         let section = of.sections(std::slice::from_ref(section));

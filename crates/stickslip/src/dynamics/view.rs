@@ -127,6 +127,22 @@ where
         Timed { t, x }
     }
 
+    /// The moment that stops admit next to one: on those that carry, and in front of the others, as
+    /// after an impact.
+    pub(super) fn admitted(&self, at: Timed<N>) -> Timed<N> {
+        let Timed { t, x } = self.landed(at);
+        let in_front = |x: State<N>, jump: usize| {
+            let is_behind = self.jumps.is_never_negative(jump)
+                && self.jumps.when(jump, t, components(&x)) < 0.0;
+            match is_behind {
+                true => self.jumps.set(jump, t, components(&x)).into(),
+                false => x,
+            }
+        };
+        let x = (0..self.jumps.count()).fold(x, in_front);
+        Timed { t, x }
+    }
+
     /// The first input that kinks at a time.
     pub(super) fn kinked(&self, &Timed { t, x }: &Timed<N>) -> Option<usize> {
         (0..self.jumps.inputs()).find(|&input| self.jumps.kinks(input, t, components(&x)))

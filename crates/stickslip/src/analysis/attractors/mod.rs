@@ -126,8 +126,8 @@ pub fn attractor<Kind>(
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
 }
 
-/// [`attractor`] for one start of many: a start outside the domain of the field or beyond the
-/// escape bound is also an [`AttractorKind`].
+/// [`attractor`] for one start of many: a start outside the domain of the field, behind a stop or
+/// beyond the escape bound is also an [`AttractorKind`].
 ///
 /// # Errors
 /// The other errors of [`attractor`].
@@ -165,7 +165,9 @@ pub fn attractors_of_many<Kind>(
 fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attractor, Error> {
     let kind = match error {
         Error::Escaped { .. } => AttractorKind::Escape,
-        Error::StartOutsideDomain { .. } => AttractorKind::Failure(error),
+        Error::StartOutsideDomain { .. } | Error::BehindStop { .. } | Error::OffStop { .. } => {
+            AttractorKind::Failure(error)
+        }
         error => return Err(error),
     };
     Ok(Attractor {

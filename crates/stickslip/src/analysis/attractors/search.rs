@@ -11,7 +11,8 @@ use super::tolerance::{Extent, SameWithin};
 use super::trap::Trap;
 use super::{RecurrenceSettings, recurrent};
 use crate::dynamics::{
-    Dynamics, Modes, Moment, OrbitProgress, OrbitUnderWay, Section, Summary, Transition, Vector,
+    Dynamics, Modes, Moment, OrbitProgress, OrbitUnderWay, Phase, Section, Summary, Transition,
+    Vector,
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
@@ -378,6 +379,10 @@ impl<'a> Search<'a> {
             .filter(|_| !is_equilibrium)
             .unwrap_or_else(|| f64::from(u8::from(mode.any_sticks())));
         let (phases, transitions) = self.history.take();
+        let (phases, transitions) = match kind {
+            AttractorKind::Periodic { .. } => self.without_chatter(phases, transitions),
+            _ => (phases, transitions),
+        };
         Attractor {
             kind,
             period_uncertainty: self.period_uncertainty,
@@ -391,5 +396,41 @@ impl<'a> Search<'a> {
             t: last.t,
             x: last.x,
         }
+    }
+
+    /// The phases and transitions of a period without impacts that accumulate before a landing. They
+    /// are part of the phase that this ends.
+    fn without_chatter(
+        &self,
+        mut phases: Vec<Phase>,
+        mut transitions: Vec<(TransitionKind, usize)>,
+    ) -> (Vec<Phase>, Vec<(TransitionKind, usize)>) {
+        let contacts = self.system.contacts();
+        let of_phases: Vec<Option<usize>> = phases
+            .iter()
+            .map(|phase| Some(contacts + phase.mode.jump()?))
+            .collect();
+        let mut begin = None;
+        let accumulating = self.system.accumulating(&of_phases);
+        let merged = phases.drain(..).zip(accumulating);
+        let merged = merged.filter_map(|(mut phase, accumulates)| {
+            let (t, x) = begin
+                .take()
+                .unwrap_or_else(|| (phase.t_start, phase.x_start.clone()));
+            if accumulates {
+                begin = Some((t, x));
+                return None;
+            }
+            (phase.t_start, phase.x_start) = (t, x);
+            Some(phase)
+        });
+        let merged = merged.collect();
+        let of_transitions: Vec<Option<usize>> = transitions
+            .iter()
+            .map(|(kind, of)| (*kind == TransitionKind::Jump).then_some(*of))
+            .collect();
+        let mut accumulating = self.system.accumulating(&of_transitions).into_iter();
+        transitions.retain(|_| accumulating.next() == Some(false));
+        (merged, transitions)
     }
 }

@@ -322,9 +322,9 @@ impl Continuation<'_> {
         }
         let Some((next, line)) = behind else {
             let offset = (parameter - self.parameter()).signum() * self.branch.units.width;
-            let beyond = |at: &Moment| Moment {
-                t: at.t,
-                x: with_parameter(at.x.clone(), parameter + STEP_BEYOND * offset),
+            let beyond = |at: &Moment| {
+                let x = with_parameter(at.x.clone(), parameter + STEP_BEYOND * offset);
+                self.shooting.system.admitted(&Moment { t: at.t, x })
             };
             let mut starts = self.branch.last.begins.iter().map(beyond);
             let refused = starts.find_map(|start| self.refused(&start));

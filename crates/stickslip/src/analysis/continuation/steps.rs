@@ -296,8 +296,7 @@ impl<'a> Continuation<'a> {
 
     /// Cuts the last orbit in another segment.
     fn cut_anew(&mut self) {
-        let mut outline = self.branch.last.outline.clone();
-        outline.cut = None;
+        let outline = self.branch.last.without_cut();
         let row = outline.unit(self.place());
         if let (Some(line), Some(anew)) = (
             &self.branch.line,

@@ -1,7 +1,7 @@
 //! The equations for a periodic orbit as segments, with their derivatives by the unknowns.
 
 use super::pieces::{FlowDerivative, Piece};
-use super::{Outline, Segment, Shooting, ULPS, unit};
+use super::{Outline, Segment, SegmentKind, Shooting, ULPS, unit};
 use crate::dynamics::{Matrix, Moment, Vector};
 use crate::filippov::Options;
 
@@ -46,7 +46,11 @@ impl Assembly<'_> {
             share * segment.duration,
             self.options,
         )?;
-        let map = self.shooting.flow_derivative(segment, &piece);
+        let has_landed = segment.is_cuttable() || piece.phase > 0;
+        let map = self
+            .shooting
+            .flow_derivative(segment, &piece)
+            .filter(|_| has_landed)?;
         let total = map.total();
         let base = (&self.of_state, &self.of_time);
         self.of_state = self.shooting.moved(segment, &piece, &total, base);
@@ -231,6 +235,15 @@ impl Shooting<'_> {
         if self.forced.is_none() || !has_events {
             let off = outline.begin.t - guess.begin.t;
             assembly.rows.push((off, unit(unknowns, time), by_time));
+        }
+        for (number, segment) in outline.segments.iter().enumerate() {
+            if let SegmentKind::Flight { share } = segment.kind {
+                let next = outline.segments[(number + 1) % count].duration;
+                let off = (1.0 - share) * segment.duration - share * next;
+                let part = |of: usize| unit(unknowns, n + of % count);
+                let row = part(number) * (1.0 - share) - part(number + 1) * share;
+                assembly.rows.push((off, row, by_time));
+            }
         }
         if self.forced.is_none() && !has_events {
             let along = begins.rows(0, self.states);

@@ -1,7 +1,7 @@
 //! Margins: how far a periodic orbit is from each change of its phases.
 
 use super::pieces::Piece;
-use super::{Outline, closeness};
+use super::{Outline, SegmentKind, closeness};
 use crate::dynamics::{Dynamics, Modes, Moment};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
@@ -23,6 +23,8 @@ pub(crate) enum MarginKind {
     Arrival,
     /// A phase is short.
     Duration,
+    /// A phase at rest, which a landing begins, is short.
+    Rest,
 }
 
 /// A function that vanishes at a change of the phases and is positive where the orbit has the
@@ -82,7 +84,23 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
     let count = outline.segments.len();
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
         let before = outline.before(part);
-        let (Some(begin), Some(end)) = (before.end, segment.end) else {
+        if let (SegmentKind::Chatter { landing, .. }, Some(end), Some((_, landed))) =
+            (segment.kind, segment.end, piece.jumps.last())
+        {
+            margins.push(Margin {
+                part,
+                kind: MarginKind::Rest,
+                value: piece.end.t - landed.t,
+                scale: outline.period(),
+                incoming: segment.mode,
+                contact: landing,
+                other: Some(end.contact),
+                at: landed.moment(),
+                is_contact_function: false,
+                is_of_jump: true,
+            });
+        }
+        let Some(begin) = before.end else {
             continue;
         };
         let at = &piece.begin;
@@ -99,7 +117,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             is_of_jump: begin.is_of_jump,
         };
         // Loss or gain of contact changes no mode: the segment continues.
-        if count > 1 {
+        if let Some(end) = segment.end.filter(|_| count > 1) {
             let other = (end.contact != begin.contact).then_some(end.contact);
             margins.push(Margin {
                 other,

@@ -86,7 +86,7 @@ fn minima(
                 None => Some((step, 1.0)),
             }
         };
-        let steps: Vec<(usize, f64)> = (0..piece.steps.len()).filter_map(end).collect();
+        let steps: Vec<(usize, f64)> = (piece.phase..piece.steps.len()).filter_map(end).collect();
         let moment = |step: usize, s: f64| {
             let (step, solution) = &piece.steps[step];
             let t = step.t_start + s * (step.t_end - step.t_start);
@@ -187,6 +187,7 @@ fn minima(
             };
             // An orbit without transitions continues from its end to its beginning.
             if segment.end.is_none()
+                && count == 1
                 && may_vanish(last)
                 && let Some(place) = lowest(end, begin)
             {

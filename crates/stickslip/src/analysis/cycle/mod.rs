@@ -22,7 +22,7 @@ use crate::filippov::Options;
 pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
 pub(super) use outline::SegmentEnd;
-use outline::{Cut, Segment, segment_to_cut};
+use outline::{Cut, Segment, SegmentKind, segment_to_cut};
 pub(super) use path::{Function, Path, SAFETY, Zero, with_last_digits};
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
@@ -96,18 +96,45 @@ pub(crate) struct Cycle {
     pub iterations: usize,
     /// Dimension of the family of orbits to which it belongs.
     pub family: usize,
+    /// The flights before impacts that accumulate: segment, and time to the first impact.
+    pub flights: Vec<(usize, f64)>,
 }
 
 impl Cycle {
-    /// Whether the cut segment has become much shorter than the longest one.
+    /// Whether the cut segment has become much shorter than the longest one, or the end of a
+    /// segment in flight has come near to an impact.
     pub fn is_badly_cut(&self) -> bool {
-        // Fraction of the longest segment. Chosen: below 1, so that two segments that are about
-        // equally long do not alternate.
+        // Fraction of the longest segment, and of a flight on either side of where it is cut.
+        // Chosen: below 1, so that two segments that are about equally long do not alternate.
         const SHORTENED: f64 = 0.3;
-        let durations = || self.outline.segments.iter().map(|one| one.duration);
-        let longest = durations().fold(0.0, f64::max);
+        let is_near_end = |&(number, lasts): &(usize, f64)| {
+            let part = self.outline.segments[number].duration / lasts;
+            !(SHORTENED..=1.0 - SHORTENED).contains(&part)
+        };
+        if self.flights.iter().any(is_near_end) {
+            return true;
+        }
+        let segments = &self.outline.segments;
+        let cuttable = segments.iter().filter(|one| one.is_cuttable());
+        let longest = cuttable.map(|one| one.duration).fold(0.0, f64::max);
         let cut = self.outline.cut.as_ref();
-        cut.is_none_or(|cut| durations().nth(cut.number) < Some(SHORTENED * longest))
+        cut.is_none_or(|cut| segments[cut.number].duration < SHORTENED * longest)
+    }
+
+    /// The outline with flights cut in their middle, and no states at its cuts.
+    pub fn without_cut(&self) -> Outline {
+        let mut outline = self.outline.clone();
+        outline.cut = None;
+        for &(number, lasts) in &self.flights {
+            if let [flight, rest, ..] = &mut outline.segments[number..] {
+                let total = flight.duration + rest.duration;
+                flight.duration = 0.5 * lasts;
+                rest.duration = total - flight.duration;
+                let share = flight.duration / total;
+                flight.kind = SegmentKind::Flight { share };
+            }
+        }
+        outline
     }
 
     /// The difference between the two halves of the orbit, where they have the same phases: of the

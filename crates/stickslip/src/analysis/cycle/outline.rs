@@ -72,9 +72,64 @@ pub(crate) struct Segment {
     pub mode: Modes,
     /// A moment in the segment, which decides whether contact is lost or kept.
     pub inside: Moment,
-    /// Transition that ends the segment; `None` where the orbit has no transition.
+    /// Transition that ends the segment; `None` where the orbit has no transition, and in flight.
     pub end: Option<SegmentEnd>,
     pub duration: f64,
+    pub kind: SegmentKind,
+}
+
+/// What a segment covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) enum SegmentKind {
+    /// A phase.
+    Phase,
+    /// The flight before impacts that accumulate, to its middle: to this share of the time until
+    /// the next segment ends.
+    Flight { share: f64 },
+    /// The rest of that flight, the impacts, the landing, and the phase at rest. The impacts have no
+    /// segments of their own: their number is that of the rounding. They occur as in a run.
+    Chatter {
+        /// The jump that accumulates, counted after the contacts.
+        impact: usize,
+        /// The jump that follows.
+        landing: usize,
+    },
+}
+
+impl Segment {
+    /// Whether it can be cut in its middle.
+    pub fn is_cuttable(&self) -> bool {
+        !matches!(self.kind, SegmentKind::Chatter { .. })
+    }
+}
+
+/// Impacts that accumulate in a run, and the landing: their places among the transitions.
+struct Chatter {
+    first: usize,
+    landing: usize,
+}
+
+impl Chatter {
+    /// All in which no contact changes.
+    fn all(system: &dyn Dynamics, transitions: &[&Transition]) -> Vec<Self> {
+        let rest = |at: &Transition| match at.kind {
+            TransitionKind::Jump => system.rest_after(at.contact),
+            _ => None,
+        };
+        let mut all = Vec::new();
+        for (landing, at) in transitions.iter().enumerate() {
+            let before = transitions[..landing].iter().rev();
+            let impacts = before.take_while(|one| {
+                rest(one) == Some(at.contact) && (one.from, one.to) == (at.from, at.from)
+            });
+            let first = landing - impacts.count();
+            if at.kind == TransitionKind::Jump && first < landing && at.to == at.from {
+                all.push(Chatter { first, landing });
+            }
+        }
+        all
+    }
 }
 
 /// A periodic orbit to be computed: its segments, and the moment at which the first one begins.
@@ -124,14 +179,23 @@ impl Outline {
         let motions = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
         let extent = motions.fold(f64::MIN_POSITIVE, |most, motion| most.max(motion.amax()));
         let transitions = orbit.transitions.iter();
-        let transitions: Vec<&Transition> = transitions
+        let all: Vec<&Transition> = transitions
             .filter(|at| at.kind != TransitionKind::Touch)
             .collect();
+        let chatter = Chatter::all(system, &all);
+        let is_kept = |k: &usize| {
+            chatter
+                .iter()
+                .all(|of| !(of.first..=of.landing).contains(k))
+        };
+        let places: Vec<usize> = (0..all.len()).filter(is_kept).collect();
+        let transitions: Vec<&Transition> = places.iter().map(|&k| all[k]).collect();
         let without_end = |mode: Modes| Segment {
             mode,
             inside: start.clone(),
             end: None,
             duration: period,
+            kind: SegmentKind::Phase,
         };
         // A jump in the instant that begins a period waits there for the next one.
         let rounding = ULPS * f64::EPSILON * (start.t.abs() + period);
@@ -159,21 +223,49 @@ impl Outline {
         });
         let (first, again) = again.ok_or(not_found)?;
         let mut segments = Vec::with_capacity(again - first);
-        for pair in transitions[first..=again].windows(2) {
-            let t = 0.5 * (pair[0].t + pair[1].t);
-            let inside = Moment { t, x: orbit.at(t)? };
-            segments.push(Segment {
-                mode: pair[0].to,
-                end: Some(SegmentEnd::of(system, pair[1])),
-                inside,
-                duration: pair[1].t - pair[0].t,
-            });
-        }
         // States of the run keep the errors of one segment out of the next one.
+        let mut begins = Vec::with_capacity(again - first);
+        for places in places[first..=again].windows(2) {
+            let [from, to] = [places[0], places[1]].map(|place| all[place]);
+            let middle = |a: f64, b: f64| {
+                let t = 0.5 * (a + b);
+                Ok::<_, Error>(Moment { t, x: orbit.at(t)? })
+            };
+            let mut phase = Segment {
+                mode: from.to,
+                end: Some(SegmentEnd::of(system, to)),
+                inside: middle(from.t, to.t)?,
+                duration: to.t - from.t,
+                kind: SegmentKind::Phase,
+            };
+            begins.push(after(system, from));
+            let within = chatter
+                .iter()
+                .find(|of| (places[0]..places[1]).contains(&of.landing));
+            if let Some(of) = within {
+                let [impact, landing] = [of.first, of.landing].map(|place| all[place]);
+                let high = middle(from.t, impact.t)?;
+                let lasts = high.t - from.t;
+                segments.push(Segment {
+                    end: None,
+                    inside: middle(from.t, high.t)?,
+                    duration: lasts,
+                    kind: SegmentKind::Flight {
+                        share: lasts / phase.duration,
+                    },
+                    ..phase.clone()
+                });
+                phase.inside = middle(landing.t, to.t)?;
+                phase.duration -= lasts;
+                phase.kind = SegmentKind::Chatter {
+                    impact: impact.contact,
+                    landing: landing.contact,
+                };
+                begins.push(high.x);
+            }
+            segments.push(phase);
+        }
         let number = segment_to_cut(&segments);
-        let begins = transitions[first + 1..again]
-            .iter()
-            .map(|at| after(system, at));
         let middle = segments.get(number).map(|one| one.inside.x.clone());
         Ok(Outline {
             begin: Moment {
@@ -182,7 +274,7 @@ impl Outline {
             },
             cut: Some(Cut {
                 number,
-                states: begins.chain(middle).collect(),
+                states: begins.into_iter().skip(1).chain(middle).collect(),
             }),
             segments,
             extent,
@@ -259,11 +351,21 @@ impl Outline {
 
     /// The modes as [`Modes::cycle`], with the jumps between them.
     pub fn modes(&self) -> Vec<Modes> {
-        let modes = self.segments.iter().map(|segment| {
+        let modes = self.segments.iter().flat_map(|segment| {
+            let until = |number: Option<usize>| {
+                segment
+                    .mode
+                    .until(number.map(|number| number - segment.mode.len()))
+            };
             let end = segment.end.filter(|end| end.is_of_jump);
-            segment
-                .mode
-                .until(end.map(|end| end.contact - segment.mode.len()))
+            let [landed, last] = match segment.kind {
+                SegmentKind::Flight { .. } => [None; 2],
+                SegmentKind::Phase => [None, Some(until(end.map(|end| end.contact)))],
+                SegmentKind::Chatter { landing, .. } => {
+                    [Some(landing), end.map(|end| end.contact)].map(|number| Some(until(number)))
+                }
+            };
+            landed.into_iter().chain(last)
         });
         Modes::cycle(modes)
     }
@@ -383,9 +485,14 @@ pub(super) fn segment_to_cut(segments: &[Segment]) -> usize {
     // Fraction of the longest segment. Chosen: far above what rounding makes, 1e-13.
     const LASTING: f64 = 1e-2;
     let sticks = |one: &Segment| one.mode.iter().filter(|mode| *mode == Mode::Stick).count();
-    let longest = segments.iter().map(|one| one.duration).fold(0.0, f64::max);
-    let lasting = segments.iter().enumerate();
-    let lasting = lasting.filter(|(_, one)| one.duration >= LASTING * longest);
+    let cuttable = || {
+        segments
+            .iter()
+            .enumerate()
+            .filter(|(_, one)| one.is_cuttable())
+    };
+    let longest = cuttable().map(|(_, one)| one.duration).fold(0.0, f64::max);
+    let lasting = cuttable().filter(|(_, one)| one.duration >= LASTING * longest);
     let best = lasting.min_by(|(_, a), (_, b)| {
         let longer = b.duration.total_cmp(&a.duration);
         sticks(a).cmp(&sticks(b)).then(longer)

@@ -123,9 +123,11 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, [[f64; 
     let is_tangent = match margin.kind {
         MarginKind::Minimum(_) | MarginKind::Arrival => true,
         // Where the fields agree, both are tangent. Those at ends of phases are coincidences.
-        MarginKind::Landing | MarginKind::Duration | MarginKind::End(_) | MarginKind::Begin(_) => {
-            own.abs() <= (1.0 + FIELDS_AGREE) * other.abs()
-        }
+        MarginKind::Landing
+        | MarginKind::Duration
+        | MarginKind::Rest
+        | MarginKind::End(_)
+        | MarginKind::Begin(_) => own.abs() <= (1.0 + FIELDS_AGREE) * other.abs(),
     };
     // Where the fields agree, rounding decides the signs of both rates. The distance on one side is
     // the negative of that on the other.

@@ -3,7 +3,9 @@
 use super::equations::Equations;
 use super::newton::newton_solution;
 use super::pieces::Piece;
-use super::{Cut, Cycle, Outline, Shooting, TOLERANCES, ULPS, closeness, segment_to_cut};
+use super::{
+    Cut, Cycle, Outline, SegmentKind, Shooting, TOLERANCES, ULPS, closeness, segment_to_cut,
+};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 use crate::filippov::Options;
 
@@ -212,7 +214,16 @@ impl<'a> Shooting<'a> {
         }
         let margins = self.margins(&outline, &equations.pieces);
         let closes_to = self.closes_to(&equations);
+        let flights = equations.pieces.windows(2).enumerate();
+        let flights = flights.filter_map(|(number, pair)| match outline.segments[number].kind {
+            SegmentKind::Flight { .. } => {
+                let (_, impact) = pair[1].jumps.first()?;
+                Some((number, impact.t - pair[0].begin.t))
+            }
+            _ => None,
+        });
         Some(Cycle {
+            flights: flights.collect(),
             anchor: equations.anchor,
             begins: equations
                 .pieces
