@@ -27,4 +27,5 @@ mod side_by_side;
 mod sizes;
 mod special_orbits;
 mod stops;
+mod stops_in_analyses;
 mod tape;

@@ -1,0 +1,290 @@
+//! Analyses of systems with stops: starts, equilibria, orbits, branches, exponents and attractors.
+
+use std::f64::consts::PI;
+
+use stickslip::analysis::{
+    AttractorKind, RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many,
+    lyapunov_spectrum, multipliers,
+};
+use stickslip::{Error, math};
+use stickslip_model::study::{Along, WholeBranch};
+
+use super::run::{METHODS, Run, branch, options, orbit, system, with};
+
+/// A ball on a table that shakes with the amplitude A; its impacts accumulate once a period.
+const TABLE: &str = r#"name = "Ball on a shaken table"
+[states]
+h = ""
+v = ""
+[parameters]
+A = 1.2
+e = 0.5
+[field]
+h = "v"
+v = "-1"
+[stops.table]
+gap = "h - A*sin(t)"
+acts = { v = 1 }
+restitution = "e"
+[start]
+h = 0
+v = "A"
+[time]
+end = 20
+period = "2*pi"
+"#;
+
+/// A body that a force presses on a wall and lifts once a period, if A exceeds 1.
+const LIFTED: &str = r#"name = "Body on a wall"
+[states]
+x = ""
+v = ""
+[parameters]
+A = 2
+[field]
+x = "v"
+v = "-1 + A*sin(t)"
+[stops.wall]
+gap = "x"
+acts = { v = 1 }
+restitution = 0
+[start]
+x = 0
+v = 0
+[time]
+end = 30
+period = "2*pi"
+"#;
+
+/// An oscillator that slides on a table; its friction follows the reaction, which never vanishes.
+const CARRIED: &str = r#"name = "Oscillator on a table"
+[states]
+x = ""
+u = ""
+y = ""
+w = ""
+[field]
+x = "u"
+u = "-x - 0.2*u - 0.1*table.force"
+y = "w"
+w = -1
+[stops.table]
+gap = "y - 0.6*sin(t)"
+acts = { w = 1 }
+restitution = 0.5
+[start]
+x = 0.5
+u = 0
+y = 0
+w = 0.6
+[time]
+end = 30
+period = "2*pi"
+"#;
+
+fn numbers(branch: &WholeBranch) -> Vec<f64> {
+    branch
+        .points
+        .iter()
+        .map(|one| one.orbit.parameter)
+        .collect()
+}
+
+#[test]
+fn a_start_on_a_stop_is_on_it_and_pushed() {
+    for method in METHODS {
+        let on = |h: f64, v: f64, g: f64| {
+            let text = TABLE
+                .replace("A*sin(t)", "0*A")
+                .replace("\"-1\"", &format!("\"{g}\""));
+            let start = (0.0, vec![h, v, 1.0]);
+            Run::from(system(&text), &options(method), (start, 3.0))
+        };
+        // What is off within the tolerance is removed, and would grow with time.
+        let rests = on(1e-12, 1e-12, -1.0);
+        assert_eq!(rests.transitions, []);
+        assert_eq!([rests.end("h"), rests.end("v")], [0.0, 0.0], "{method}");
+        // A reaction that would pull ends at once.
+        let lifts = on(0.0, 0.0, 1.0);
+        assert_eq!(lifts.transitions.len(), 1);
+        assert_eq!(lifts.transitions[0].2, "table.lift-off");
+        assert!((lifts.end("h") - 4.5).abs() < 1e-12, "{method}");
+        for (h, v, number) in [(1.0, 0.0, 1.0), (0.0, -0.5, -0.5), (-1e-6, 0.0, -1e-6)] {
+            let run = on(h, v, -1.0);
+            let off = match &run.ended {
+                Err(Error::OffStop { off, .. }) => *off,
+                other => panic!("{other:?}"),
+            };
+            assert!((off - number).abs() < 1e-12);
+            let words = run.words();
+            assert!(
+                words.contains("the stop `table` carries at t = 0"),
+                "{words}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_reaction_that_touches_zero_lifts_nothing() {
+    for method in METHODS {
+        // Of 1 - A sin t, the least value is within rounding of zero or a little below: the flights
+        // are as small.
+        for off in [-1e-10, 0.0, 1e-15, 1e-13, 1e-11, 1e-10, 1e-8, 1e-6] {
+            let lifted = with(LIFTED, &[("A", 1.0 + off)]);
+            let run = Run::of(lifted, &options(method), None);
+            assert!(run.ended.is_ok(), "{method}, {off}: {}", run.words());
+            assert_eq!(run.end("wall.closed"), 1.0, "{method}, {off}");
+            assert!(run.end("x").abs() < 1e-15 && run.end("v").abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn a_falling_ball_is_no_equilibrium_and_one_at_rest_is() {
+    let text = TABLE
+        .replace("A*sin(t)", "0*A")
+        .replace("\"-1\"", "\"-A\"")
+        .replace("period = \"2*pi\"\n", "")
+        .replace("[start]\nh = 0\nv = \"A\"", "[start]\nh = 1\nv = 0");
+    let system = system(&text);
+    let options = options("taylor");
+    let settings = stickslip::analysis::ContinuationSettings::over(0.5, 2.0);
+    let along = Along::new(&system, "A", (0.5, 2.0)).unwrap();
+    for at in [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]] {
+        let found = along.equilibria(&at, &settings, &options);
+        assert!(matches!(found, Err(Error::NotFound { .. })), "{at:?}");
+    }
+    let found = along
+        .equilibria(&[0.0, 0.0, 1.0], &settings, &options)
+        .unwrap();
+    assert!(found.points.len() > 10);
+    for point in &found.points {
+        assert_eq!(point.x.as_slice()[..3], [0.0, 0.0, 1.0]);
+    }
+    let settings = RecurrenceSettings::within(1000.0);
+    let reached = attractor(system.dynamics(), [1.0, 0.0, 0.0], &settings, &options).unwrap();
+    assert_eq!(reached.kind, AttractorKind::Equilibrium);
+    assert_eq!(reached.points[0].x.as_slice(), [0.0, 0.0, 1.0]);
+}
+
+#[test]
+fn a_carried_oscillator_has_the_multipliers_and_exponents_of_the_free_one() {
+    // Friction adds a force that does not depend on the state.
+    let (decay, turn) = (-0.1_f64, (1.0_f64 - 0.01).sqrt());
+    let size = math::exp(2.0 * PI * decay);
+    for method in METHODS {
+        let system = system(CARRIED);
+        let found = orbit(&system, &options(method));
+        assert!((found.period - 2.0 * PI).abs() < 1e-12);
+        let multipliers = multipliers(&found.monodromy);
+        for one in &multipliers[..2] {
+            assert!(
+                (one.norm() - size).abs() < 1e-10,
+                "{method}: {multipliers:?}"
+            );
+            assert!((one.re - size * math::cos(2.0 * PI * turn)).abs() < 1e-10);
+        }
+        assert!(multipliers[2..].iter().all(|one| one.norm() < 1e-12));
+        let settings = SpectrumOptions::over(200.0 * PI, 20.0 * PI).solver(options(method));
+        let start = system.start().unwrap();
+        let found = lyapunov_spectrum(system.dynamics(), (0.0, &start[..]), &settings).unwrap();
+        let values: Vec<f64> = found.exponents.iter().map(|one| one.value()).collect();
+        for value in &values[..2] {
+            assert!((value - decay).abs() < 5e-3, "{method}: {values:?}");
+        }
+        assert!(
+            (values[0] + values[1] - 2.0 * decay).abs() < 1e-9,
+            "{values:?}"
+        );
+        assert!(values[2..].iter().all(|one| *one == f64::NEG_INFINITY));
+    }
+}
+
+/// Highest point of the flight from the wall.
+fn apex(amplitude: f64) -> f64 {
+    let lift = math::atan(1.0 / (amplitude * amplitude - 1.0).sqrt());
+    let speed = |t: f64| lift - t + amplitude * (math::cos(lift) - math::cos(t));
+    let (mut low, mut high) = (PI / 2.0, 2.0 * PI);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if speed(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let t = low;
+    let flown = t - lift;
+    -0.5 * flown * flown + amplitude * (flown * math::cos(lift) - math::sin(t) + 1.0 / amplitude)
+}
+
+#[test]
+fn a_branch_with_rest_ends_where_the_reaction_stays() {
+    for method in METHODS {
+        let lifted = system(LIFTED);
+        let found = branch(&lifted, ("A", 0.8, 2.2), &options(method));
+        let all = numbers(&found);
+        assert!(all.len() > 30, "{method}");
+        assert!((all[0] - 1.0).abs() < 1e-9, "{method}: {}", all[0]);
+        assert_eq!(all.last(), Some(&2.2));
+        for point in found.points.iter().skip(1) {
+            let (_, high) = point.extremes[0];
+            let exact = apex(point.orbit.parameter);
+            assert!(
+                (high - exact).abs() < 1e-9,
+                "{method}: {high}, exactly {exact}"
+            );
+            assert!(point.orbit.multipliers.iter().all(|one| one.norm() < 1e-9));
+        }
+    }
+}
+
+#[test]
+fn a_branch_passes_impacts_that_accumulate() {
+    let table = system(TABLE);
+    let options = options("taylor");
+    let found = branch(&table, ("A", 0.9, 1.4), &options);
+    let all = numbers(&found);
+    // Below 1 the table does not throw the ball.
+    assert!((all[0] - 1.0).abs() < 1e-6, "{}", all[0]);
+    assert_eq!(all.last(), Some(&1.4));
+    for point in &found.points {
+        let orbit = &point.orbit;
+        let phases = table.sequence(&orbit.sequence);
+        assert_eq!(phases, "table.lift-off table.landing");
+        let here = with(TABLE, &[("A", orbit.parameter)]);
+        let start = (orbit.t, orbit.x.as_slice()[..3].to_vec());
+        let run = Run::from(here, &options, (start.clone(), orbit.t + 2.0 * PI));
+        for (state, before) in ["h", "v", "table.closed"].into_iter().zip(&start.1) {
+            let after = run.end(state);
+            assert!(
+                (after - before).abs() < 1e-8,
+                "{state}: {after} and {before}"
+            );
+        }
+    }
+}
+
+#[test]
+fn chatter_is_no_period_and_a_start_behind_a_stop_no_end() {
+    let table = system(TABLE);
+    let settings = RecurrenceSettings {
+        forcing: Some(2.0 * PI),
+        ..RecurrenceSettings::within(2000.0)
+    };
+    let reach = |x: [f64; 3]| {
+        attractor_of_many(table.dynamics(), x, &settings, &options("taylor")).unwrap()
+    };
+    for h in [0.5, 2.0, 3.0] {
+        let AttractorKind::Periodic { period, .. } = reach([h, 0.0, 0.0]).kind else {
+            panic!("{h}");
+        };
+        assert!((period - 2.0 * PI).abs() < 1e-9);
+    }
+    let behind = reach([-0.5, 0.0, 0.0]).kind;
+    assert!(matches!(
+        behind,
+        AttractorKind::Failure(Error::BehindStop { .. })
+    ));
+}
