@@ -1,7 +1,10 @@
 //! Expressions with resolved names. Common subexpressions are shared and constants are folded.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 
+use super::curve::Curve;
 use super::functions::Function;
 use super::tree::Binary;
 use stickslip::math;
@@ -41,10 +44,16 @@ pub(super) enum Node {
     IntegerPower(Id, i32),
     RealPower(Id, u64),
     Call(Function, Id),
+    /// The curve with this number.
+    Curve(u32, Id),
+    /// The angle of the point whose second coordinate comes first.
+    Angle(Id, Id),
     Larger(Id, Id),
     Smaller(Id, Id),
     /// The second where the first is positive, else zero.
     WherePositive(Id, Id),
+    /// The second where the first is not positive, else zero.
+    WhereNotPositive(Id, Id),
 }
 
 impl Node {
@@ -55,14 +64,17 @@ impl Node {
             Node::Negative(a)
             | Node::IntegerPower(a, _)
             | Node::RealPower(a, _)
+            | Node::Curve(_, a)
             | Node::Call(_, a) => [Some(a), None],
             Node::Sum(a, b)
             | Node::Difference(a, b)
             | Node::Product(a, b)
             | Node::Quotient(a, b)
+            | Node::Angle(a, b)
             | Node::Larger(a, b)
             | Node::Smaller(a, b)
-            | Node::WherePositive(a, b) => [Some(a), Some(b)],
+            | Node::WherePositive(a, b)
+            | Node::WhereNotPositive(a, b) => [Some(a), Some(b)],
         }
     }
 }
@@ -74,6 +86,7 @@ impl Node {
 pub struct Graph {
     nodes: Vec<Node>,
     ids: FxHashMap<Node, Id>,
+    curves: Vec<Arc<Curve>>,
 }
 
 type NodeResult = Result<Id, NotANumber>;
@@ -251,6 +264,39 @@ impl Graph {
         }
     }
 
+    /// A curve at a number.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn curve(&mut self, curve: &Arc<Curve>, a: Id) -> NodeResult {
+        if let Some(a) = self.value(a) {
+            return self.constant(curve.of(a));
+        }
+        let mut known = self.curves.iter();
+        let known = known.position(|known| Arc::ptr_eq(known, curve) || known == curve);
+        let number = known.unwrap_or_else(|| {
+            self.curves.push(Arc::clone(curve));
+            self.curves.len() - 1
+        });
+        Ok(self.add(Node::Curve(number as u32, a)))
+    }
+
+    /// The curves that numbers of the graph are computed by.
+    pub(super) fn curves(&self) -> &[Arc<Curve>] {
+        &self.curves
+    }
+
+    /// The angle of the point `(x, y)`.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn angle(&mut self, y: Id, x: Id) -> NodeResult {
+        match (self.value(y), self.value(x)) {
+            (Some(y), Some(x)) => self.constant(math::atan2(y, x)),
+            _ => Ok(self.add(Node::Angle(y, x))),
+        }
+    }
+
     /// The larger of two.
     ///
     /// # Errors
@@ -282,6 +328,31 @@ impl Graph {
             Some(value) if value > 0.0 => Ok(a),
             Some(_) => self.constant(0.0),
             None => Ok(self.add(Node::WherePositive(condition, a))),
+        }
+    }
+
+    /// One number where `condition` is positive, and another elsewhere.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn chosen(&mut self, condition: Id, there: Id, elsewhere: Id) -> NodeResult {
+        if there == elsewhere {
+            return Ok(there);
+        }
+        let there = self.where_positive(condition, there)?;
+        let elsewhere = self.where_not_positive(condition, elsewhere)?;
+        self.sum(there, elsewhere)
+    }
+
+    /// The number `a` where `condition` is not positive, else zero.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn where_not_positive(&mut self, condition: Id, a: Id) -> NodeResult {
+        match self.value(condition) {
+            Some(value) if value > 0.0 => self.constant(0.0),
+            Some(_) => Ok(a),
+            None => Ok(self.add(Node::WhereNotPositive(condition, a))),
         }
     }
 

@@ -1,12 +1,38 @@
 //! Which part of a formula is not a number at a state.
 
+use stickslip::Scalar;
+
 use super::builder::{Builder, Inputs, Operand, Scope, of_operand};
 use super::formula::{not_finite, where_operands};
 use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::{Combination, sides_to_check};
 
+/// How far ahead of a state an undefined part is looked for, relative to the size of the state.
+/// Chosen: a run stops at a billionth of the range of a curve behind its end.
+const AHEAD: f64 = 1e-6;
+
 impl System {
+    /// As [`System::undefined_in_field`], a little ahead of a state along the motion.
+    pub(super) fn undefined_ahead(&self, t: f64, x: &[f64]) -> Option<String> {
+        if x.len() != self.states() {
+            return None;
+        }
+        let contacts = 0..self.contacts();
+        let above = contacts.fold(0, |above, contact| {
+            above | usize::from(self.boundary(contact, t, x) > 0.0) << contact
+        });
+        let rates = self.field(Combination { above, held: 0 }, t, x);
+        let largest = |values: &[f64]| values.iter().fold(0.0, |far, x| Scalar::max(far, x.abs()));
+        let time = AHEAD * (1.0 + largest(x)) / largest(&rates);
+        let ahead: Vec<f64> = x
+            .iter()
+            .zip(&rates)
+            .map(|(x, rate)| x + time * rate)
+            .collect();
+        self.undefined_in_field(t + time, &ahead)
+    }
+
     /// The part of a boundary or of the field that is not a finite number at a time and state,
     /// although its operands are, in words. The sides are those of the state; then others are
     /// tried. `None` if all parts are finite.
@@ -214,7 +240,15 @@ fn operands(whole: &Expression) -> Vec<&Expression> {
             let rest = rest.iter().map(|(_, operand)| operand);
             std::iter::once(&**first).chain(rest).collect()
         }
+        ExpressionKind::Condition(condition) => condition.numbers(),
         ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
-        ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
+        ExpressionKind::Call { arguments, .. } => {
+            let arguments = arguments.iter();
+            let numbers = arguments.flat_map(|argument| match &argument.kind {
+                ExpressionKind::Condition(_) => operands(argument),
+                _ => vec![argument],
+            });
+            numbers.collect()
+        }
     }
 }

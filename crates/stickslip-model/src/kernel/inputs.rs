@@ -234,6 +234,8 @@ pub struct Jump {
     pub when: Tape,
     /// Direction of the sign change.
     pub direction: Direction,
+    /// 1 where the jump happens, 0 where it does not; `None` if it always does.
+    pub condition: Option<Tape>,
     /// The states after the jump.
     pub set: Map,
     /// The run ends with this jump of the count.
@@ -323,6 +325,34 @@ impl Switching {
         }
     }
 
+    /// Impulses of all stops at a jump, from the state before it.
+    pub fn impulses(&self, jump: usize, t: f64, x: &[f64]) -> Vec<f64> {
+        let Some(impacts) = &self.impacts else {
+            return Vec::new();
+        };
+        let jump = &self.jumps[jump];
+        match &jump.set {
+            Map::Impact(stop) => impacts.impulses((Some(*stop), false), t, x),
+            Map::Landing(stop) => impacts.impulses((Some(*stop), true), t, x),
+            Map::Formulas(_) if jump.of_stop.is_some() => vec![0.0; impacts.closed.len()],
+            Map::Formulas(tape) => {
+                let mut behind = x.to_vec();
+                tape.evaluate(t, x, &mut behind);
+                impacts.release(t, x, &mut behind);
+                impacts.impulses((None, false), t, &behind)
+            }
+        }
+    }
+
+    /// Whether a jump whose function is zero happens.
+    pub fn happens(&self, jump: usize, t: f64, x: &[f64]) -> bool {
+        self.jumps[jump].condition.as_ref().is_none_or(|condition| {
+            let mut holds = [0.0];
+            condition.evaluate(t, x, &mut holds);
+            holds[0] > 0.0
+        })
+    }
+
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
         let place = self.states + HELD_PER_INPUT * input;
         let held = self.inputs[input].held(t, &x[..self.states]);
@@ -355,6 +385,14 @@ impl<const N: usize> Jumps<N> for Switching {
         let mut out = *x;
         self.after(jump, t, &mut out);
         out
+    }
+
+    fn happens(&self, jump: usize, t: f64, x: &[f64; N]) -> bool {
+        Switching::happens(self, jump, t, x)
+    }
+
+    fn is_conditional(&self, jump: usize) -> bool {
+        self.jumps[jump].condition.is_some()
     }
 
     fn is_searched(&self, jump: usize) -> bool {

@@ -139,6 +139,57 @@ fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
     }
 }
 
+/// Two beads on rails of their own, and two floors that let go of blocks at different times.
+#[test]
+fn each_of_several_contacts_has_a_normal_force() {
+    let beads = "name = \"beads\"\n[time]\nend = 1.9\n[states]\nph = \"\"\nw = \"\"\nps = \"\"\nu = \"\"\n\
+        [parameters]\ng = 9.81\nR = 5\nmu = 0.05\n[contacts.rail]\nboundary = \"w\"\n\
+        friction = \"mu*(g*cos(ph)/R + w^2)\"\nnormal_force = \"g*cos(ph) + R*w^2\"\n\
+        [contacts.other]\nboundary = \"u\"\n\
+        friction = \"mu*(g*cos(ps)/R + u^2)\"\nnormal_force = \"g*cos(ps) + R*u^2\"\n\
+        [field]\nph = \"w\"\nw = \"-g/R*sin(ph) - friction(rail)\"\n\
+        ps = \"u\"\nu = \"-g/R*sin(ps) - friction(other)\"\n\
+        [start]\nph = 0\nw = \"14/5\"\nps = 0.1\nu = \"14/5\"\n";
+    let bead = |start: f64| {
+        format!(
+            "name = \"bead\"\n[time]\nend = 1.9\n[states]\nph = \"\"\nw = \"\"\n\
+             [parameters]\ng = 9.81\nR = 5\nmu = 0.05\n[contacts.rail]\nboundary = \"w\"\n\
+             friction = \"mu*(g*cos(ph)/R + w^2)\"\nnormal_force = \"g*cos(ph) + R*w^2\"\n\
+             [field]\nph = \"w\"\nw = \"-g/R*sin(ph) - friction(rail)\"\n\
+             [start]\nph = {start}\nw = \"14/5\"\n"
+        )
+    };
+    let floors = "name = \"floors\"\n[time]\nend = 5\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\nw = \"\"\n\
+        [contacts.a]\nboundary = \"v\"\nfriction = \"1\"\nnormal_force = \"(t - 1)*(t - 2)\"\n\
+        [contacts.b]\nboundary = \"w\"\nfriction = \"1\"\nnormal_force = \"(t - 1.5)*(t - 2.5)\"\n\
+        [field]\nx = \"v\"\nv = \"0.5 - friction(a)\"\ny = \"w\"\nw = \"0.5 - friction(b)\"\n\
+        [start]\nx = 0\nv = 0\ny = 0\nw = 0\n";
+    for method in METHODS {
+        let (both, _) = simulated(beads, method, None);
+        for (start, [angle, rate]) in [(0.0, ["ph", "w"]), (0.1, ["ps", "u"])] {
+            let (one, _) = simulated(&bead(start), method, None);
+            let off = [
+                end(&one, "ph") - end(&both, angle),
+                end(&one, "w") - end(&both, rate),
+            ];
+            assert!(off.iter().all(|off| off.abs() < 1e-9), "{method}: {off:?}");
+        }
+        // Each is at rest, moves for one time unit, and is braked to rest.
+        let (found, transitions) = simulated(floors, method, None);
+        let places = [end(&found, "x"), end(&found, "y")];
+        assert!(
+            places.iter().all(|x| (x - 0.5).abs() < 1e-9),
+            "{method}: {places:?}"
+        );
+        let mut times: Vec<f64> = transitions.iter().map(|at| at.0).collect();
+        times.sort_by(f64::total_cmp);
+        assert_eq!(times.len(), 4, "{method}: {transitions:?}");
+        for (found, exact) in times.iter().zip([1.0, 1.5, 3.0, 3.5]) {
+            assert!((found - exact).abs() < 1e-9, "{method}: {found}");
+        }
+    }
+}
+
 /// A block with friction 1 on a floor, with a stiffer spring beyond `x = 0`.
 fn with_stop(push: &str, start: [f64; 2]) -> String {
     let [x, v] = start;
