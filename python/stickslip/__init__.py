@@ -42,7 +42,9 @@ from ._orbits import (
 )
 from ._run import DenseOutput, Event, Solution, event, solve_ivp
 from ._symbols import (
+    Condition,
     Contact,
+    Curve,
     DiscreteState,
     Expression,
     Input,
@@ -52,6 +54,7 @@ from ._symbols import (
     Stop,
     Switch,
     discrete,
+    erf,
     parameter,
     parameters,
     pi,
@@ -70,7 +73,9 @@ __all__ = [
     "Basins",
     "BifurcationDiagram",
     "Branch",
+    "Condition",
     "Contact",
+    "Curve",
     "DataSpectrum",
     "DenseOutput",
     "DiscreteState",
@@ -104,6 +109,7 @@ __all__ = [
     "continuation",
     "discrete",
     "equilibrium_continuation",
+    "erf",
     "event",
     "fit",
     "lyapunov_from_data",

@@ -209,12 +209,14 @@ class Solution:
     transitions : ndarray, structured
         Changes of mode and jumps: ``t``, ``kind``, ``contact``, ``from_mode``, ``to_mode``,
         ``y_before`` and ``y`` (the states before and after it), ``residual`` of the boundary
-        function.
+        function. With stops, ``impulse`` has the impulse at each of them.
     phases : ndarray, structured
         Intervals of one mode: ``t_start``, ``t_end``, ``mode``, ``y_start``, ``y_end``. A mode is
         ``-`` or ``+`` for slip below or above, ``S`` for stick; ``|`` separates several contacts.
     system : System
         The system.
+    forces : ndarray, shape (s, m), or None
+        Reactions of the stops at `t`, in their order; None without stops.
     dy : ndarray, shape (n, m, k), or None
         With `derivatives`: those of the states at `t`, by each of the variables. `transitions` then
         also has ``dt`` (k), ``dy_before`` and ``dy`` (n, k): of the times, and of the states along
@@ -236,6 +238,7 @@ class Solution:
     transitions: NDArray[np.void]
     phases: NDArray[np.void]
     system: System
+    forces: Floats | None = None
     dy: Floats | None = None
     dt_events: list[Floats] | None = None
     dy_events: list[Floats] | None = None
@@ -444,6 +447,8 @@ def solve_ivp(
         warnings.warn(doubt, SolverWarning, stacklevel=2)
     passed, dense = found.pop("events"), found.pop("sol")
     found["y"] = found["y"].T
+    if "forces" in found:
+        found["forces"] = found["forces"].T
     of_events = None
     if "derivatives" in found:
         slopes = found.pop("derivatives")

@@ -29,7 +29,8 @@ _SIDES = (
 _COMPARED = (
     "A field with two sides is written with a Contact: contact.by_side(below, above). Bounds are "
     "np.minimum and np.maximum of single symbols. Events and jumps are where a formula is zero, "
-    "with a direction"
+    "with a direction. A comparison is the condition of a ss.Jump, or chooses what it sets: "
+    "np.where(a < b, then, otherwise); several are joined by &, | and ~"
 )
 
 
@@ -45,8 +46,9 @@ def _refuses(operation: str, remedy: str) -> Callable[..., Any]:
 class Expression:
     """A formula of states, parameters and time.
 
-    Operators and NumPy's functions on it make further formulas. Comparisons, signs and remainders
-    are no formulas: they raise a `TypeError` that says what to write instead.
+    Operators and NumPy's functions on it make further formulas. Comparisons by ``<``, ``<=``,
+    ``>`` and ``>=`` make a `Condition`. Signs and remainders are no formulas: they raise a
+    `TypeError` that says what to write instead.
 
     Attributes
     ----------
@@ -115,10 +117,18 @@ class Expression:
             "np.minimum and np.maximum"
         )
 
-    __lt__ = _refuses("a comparison (`<` with `{}`)", _COMPARED)
-    __le__ = _refuses("a comparison (`<=` with `{}`)", _COMPARED)
-    __gt__ = _refuses("a comparison (`>` with `{}`)", _COMPARED)
-    __ge__ = _refuses("a comparison (`>=` with `{}`)", _COMPARED)
+    def __lt__(self, other: Any) -> Condition:
+        return _comparison(self, "<", other)
+
+    def __le__(self, other: Any) -> Condition:
+        return _comparison(self, "<=", other)
+
+    def __gt__(self, other: Any) -> Condition:
+        return _comparison(self, ">", other)
+
+    def __ge__(self, other: Any) -> Condition:
+        return _comparison(self, ">=", other)
+
     __and__ = __rand__ = _refuses("a condition (`&` with `{}`)", _COMPARED)
     __or__ = __ror__ = _refuses("a condition (`|` with `{}`)", _COMPARED)
     __invert__ = _refuses("a condition (`~{}`)", _COMPARED)
@@ -168,6 +178,8 @@ class Expression:
         if name in _OPERATORS and len(inputs) == 2:
             sign, binds = _OPERATORS[name]
             return _binary(inputs[0], sign, inputs[1], binds)
+        if name in _COMPARISONS and len(inputs) == 2:
+            return _comparison(inputs[0], _COMPARISONS[name], inputs[1])
         if name in _FUNCTIONS:
             return _call(_FUNCTIONS[name], *inputs)
         if name in _COMPOSED:
@@ -188,11 +200,18 @@ _OPERATORS = {
     "float_power": ("^", _POWER),
 }
 
+_COMPARISONS = {"less": "<", "less_equal": "<=", "greater": ">", "greater_equal": ">="}
+
 _FUNCTIONS = {
     "sin": "sin",
     "cos": "cos",
     "tan": "tan",
+    "arcsin": "asin",
+    "arccos": "acos",
     "arctan": "atan",
+    "arctan2": "atan2",
+    # Of SciPy.
+    "erf": "erf",
     "sinh": "sinh",
     "cosh": "cosh",
     "tanh": "tanh",
@@ -223,12 +242,11 @@ _COMPOSED: dict[str, Callable[..., Expression]] = {
 }
 
 _KNOWN = "the functions are np." + ", np.".join(
-    sorted({*_FUNCTIONS, *_COMPOSED} - {"fabs", "fmax", "fmin", "negative", "positive"})
-)
+    sorted({*_FUNCTIONS, *_COMPOSED} - {"erf", "fabs", "fmax", "fmin", "negative", "positive"})
+) + " and ss.erf"
 _INSTEAD = {
     **dict.fromkeys(["sign", "copysign", "signbit", "heaviside"], _SIDES),
     **dict.fromkeys(["where", "select", "piecewise", "choose"], _SIDES),
-    **dict.fromkeys(["less", "less_equal", "greater", "greater_equal"], _COMPARED),
     **dict.fromkeys(["equal", "not_equal", "isclose", "allclose"], _COMPARED),
     **dict.fromkeys(["logical_and", "logical_or", "logical_not", "logical_xor"], _COMPARED),
     **dict.fromkeys(["bitwise_and", "bitwise_or", "invert"], _COMPARED),
@@ -239,15 +257,12 @@ _INSTEAD = {
         "it takes a list of symbols, as np.sum([x, v]) and K @ [x, v]",
     ),
     "clip": "write np.minimum(np.maximum(x, low), high)",
-    "interp": "a table of time is ss.table",
+    "interp": "a table of time is ss.table, one of another argument is ss.Curve",
     "bitwise_xor": "a power is x**2",
     "cbrt": "write x**(1/3), for x > 0",
     "sinc": "write np.sin(np.pi*x) / (np.pi*x); it has no value at 0",
     "expm1": "write np.exp(x) - 1; near 0 it has few digits",
     "log1p": "write np.log(1 + x); near 0 it has few digits",
-    "arcsin": "write 2*np.arctan(x / (1 + np.sqrt((1 - x)*(1 + x))))",
-    "arccos": "write 2*np.arctan(np.sqrt((1 - x) / (1 + x)))",
-    "arctan2": "write np.arctan(y / x) for x > 0, or let the angle be a state",
     "arcsinh": "write np.log(x + np.sqrt(x**2 + 1)); for x < 0 it has few digits",
     "arccosh": "write np.log(x + np.sqrt(x**2 - 1))",
     "arctanh": "write np.log((1 + x) / (1 - x)) / 2",
@@ -311,6 +326,8 @@ def expression(value: Any, name: str = "a number in a formula") -> Expression:
         return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         return expression(value.item(), name)
+    if isinstance(value, Condition):
+        raise value._refusal()
     if isinstance(value, (bool, np.bool_)):
         raise TypeError(
             f"{value!r} cannot stand in a formula: write 0 or 1, and compare no symbols"
@@ -324,7 +341,7 @@ def expression(value: Any, name: str = "a number in a formula") -> Expression:
 def varying(value: Any, what: str) -> Expression:
     """A formula of states or time, whose zeros `what` has."""
     formula = expression(value)
-    if all(isinstance(part, Parameter) for part in formula.parts):
+    if all(isinstance(part, (Parameter, Curve)) for part in formula.parts):
         raise ValueError(f"{what} {formula} is constant: it has neither a state nor time")
     return formula
 
@@ -337,6 +354,8 @@ def _binary(left: Any, sign: str, right: Any, binds: int) -> Expression:
     for one in (left, right):
         if isinstance(one, np.ndarray) and one.ndim > 0:
             return NotImplemented  # type: ignore[no-any-return]
+        if isinstance(one, Condition):
+            raise one._refusal()
     try:
         a, b = expression(left), expression(right)
     except TypeError:
@@ -348,6 +367,101 @@ def _binary(left: Any, sign: str, right: Any, binds: int) -> Expression:
         # A sign to the left of a factor is that of the whole product, with the same bits.
         text = f"{_within(a, binds)} {sign} {_within(b, binds + 1)}"
     return Expression(text, binds, a.parts | b.parts)
+
+
+def _comparison(left: Any, sign: str, right: Any) -> Condition:
+    for one in (left, right):
+        if isinstance(one, Condition):
+            raise one._refusal()
+    try:
+        a, b = expression(left), expression(right)
+    except TypeError:
+        return NotImplemented  # type: ignore[no-any-return]
+    return Condition(f"{a.text} {sign} {b.text}", a.parts | b.parts)
+
+
+class Condition:
+    """A comparison of formulas, or several that are joined by ``&``, ``|`` and ``~``.
+
+    It is judged once, at a jump: as the `condition` of a `Jump`, or in what one sets, by
+    ``np.where(condition, then, otherwise)``. Elsewhere it raises a `TypeError` that says what to
+    write instead.
+
+    Attributes
+    ----------
+    text : str
+        The condition as text.
+    parts : frozenset
+        The states, parameters and inputs in it.
+    """
+
+    __slots__ = ("text", "parts")
+
+    def __init__(self, text: str, parts: frozenset[Any] = frozenset()) -> None:
+        self.text = text
+        self.parts = parts
+
+    def __repr__(self) -> str:
+        return self.text
+
+    def _joined(self, word: str, other: Any) -> Condition:
+        if not isinstance(other, Condition):
+            raise TypeError(
+                f"`{self.text}` and {other!r} are joined by `{word}`: both must be comparisons, "
+                "with brackets around each, as in (a < b) & (c < d)"
+            )
+        return Condition(f"({self.text}) {word} ({other.text})", self.parts | other.parts)
+
+    def __and__(self, other: Any) -> Condition:
+        return self._joined("and", other)
+
+    def __or__(self, other: Any) -> Condition:
+        return self._joined("or", other)
+
+    def __invert__(self) -> Condition:
+        return Condition(f"not ({self.text})", self.parts)
+
+    def _refusal(self) -> TypeError:
+        return TypeError(f"a comparison (`{self.text}`) is no formula: {_COMPARED}")
+
+    def _refuse(self, *_: Any) -> Any:
+        raise self._refusal()
+
+    __bool__ = __float__ = __int__ = __index__ = __complex__ = _refuse
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _refuse
+    __truediv__ = __rtruediv__ = __pow__ = __rpow__ = __neg__ = __pos__ = __abs__ = _refuse
+    __lt__ = __le__ = __gt__ = __ge__ = __rand__ = __ror__ = _refuse
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
+        words = {"logical_and": "and", "logical_or": "or"}
+        if method == "__call__" and not options:
+            if ufunc.__name__ in words and isinstance(inputs[0], Condition):
+                return inputs[0]._joined(words[ufunc.__name__], inputs[1])
+            if ufunc.__name__ == "logical_not":
+                return ~self
+        raise self._refusal()
+
+    def __array_function__(self, function: Any, types: Any, of: Any, options: Any) -> Any:
+        if getattr(function, "__name__", "") != "where" or len(of) != 3 or of[0] is not self:
+            raise self._refusal()
+        then, otherwise = expression(of[1]), expression(of[2])
+        text = f"if({self.text}, {then.text}, {otherwise.text})"
+        return Expression(text, _ATOM, self.parts | then.parts | otherwise.parts)
+
+
+def erf(x: Any) -> Expression:
+    """The error function of a formula.
+
+    Parameters
+    ----------
+    x : Expression or float
+        The argument.
+
+    Returns
+    -------
+    Expression
+    """
+    return _call("erf", x)
 
 
 def _call(name: str, *of: Any) -> Expression:
@@ -540,7 +654,8 @@ class Contact(Symbol):
     static : Expression, float or function, optional
         Largest friction force in stick. Default: the force in slip.
     normal_force : Expression, optional
-        Normal force, for a system with one contact. Friction is zero where it is not positive.
+        Normal force. Friction is zero where it is not positive. It does not stand beside friction
+        that follows the reaction of a `Stop`, which has the normal force in it.
     """
 
     __slots__ = ("boundary", "law", "static", "normal_force")
@@ -784,6 +899,77 @@ def table(
     return Input(name, {"shape": "table", **lists, "between": between})
 
 
+class Curve:
+    """A function of one argument through points, as measured: ``mu(slip)`` is a formula.
+
+    Parameters
+    ----------
+    name : str
+        Name in formulas.
+    x, y : array_like, shape (m,)
+        The points, sorted by `x`.
+    between : {"linear", "monotone"}, optional
+        Straight lines, at whose ends steps of the solver end, or cubics without overshoot (those of
+        SciPy's ``PchipInterpolator``).
+    beyond : {"hold", "extend", "error"}, optional
+        What it is beyond its points: the value at the end, the line or cubic at the end, or an
+        error of the run.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x, v = ss.states("x v")
+    >>> mu = ss.Curve("mu", [0, 0.5, 2], [0.4, 0.3, 0.35])
+    >>> floor = ss.Contact("floor", boundary=v, friction=lambda side: mu(side * v))
+    >>> floor.law
+    mu(floor * v)
+    """
+
+    __slots__ = ("name", "x", "y", "between", "beyond")
+
+    def __init__(
+        self,
+        name: str,
+        x: Any,
+        y: Any,
+        between: Literal["linear", "monotone"] = "linear",
+        beyond: Literal["hold", "extend", "error"] = "hold",
+    ) -> None:
+        self.name = check_name(name)
+        self.x, self.y = (
+            [number(one, f"{what}[{k}]") for k, one in enumerate(np.asarray(given).ravel())]
+            for what, given in (("x", x), ("y", y))
+        )
+        if len(self.x) != len(self.y):
+            raise ValueError(
+                f"the curve {name} has {len(self.x)} values of x and {len(self.y)} of y: each "
+                "point has both"
+            )
+        self.between, self.beyond = between, beyond
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.name, self.x, self.y, self.between, self.beyond)
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self.__reduce__() == other.__reduce__()
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.name))
+
+    def __repr__(self) -> str:
+        return f"<Curve {self.name} of {len(self.x)} points>"
+
+    def __call__(self, argument: Any) -> Expression:
+        made = _call(self.name, argument)
+        return Expression(made.text, _ATOM, made.parts | {self})
+
+    @property
+    def entries(self) -> dict[str, Any]:
+        """The curve as a table of a file."""
+        points = [list(point) for point in zip(self.x, self.y)]
+        return {"points": points, "between": self.between, "beyond": self.beyond}
+
+
 _DIRECTIONS: list[Direction] = ["both", "rising", "falling"]
 
 
@@ -807,12 +993,16 @@ class Jump:
         The function whose zero triggers it.
     set : dict, optional
         New values by state, such as ``{v: -0.8 * v}``. Other states keep their values.
+        ``np.where(v < 0.1, 0, v)`` chooses one of two.
     direction : float or {"rising", "falling", "both"}, optional
         The sign changes that count, as for `event`.
     stop : bool, optional
         Whether the run ends at the jump.
     count : int, optional
         The run ends after this number of jumps.
+    condition : Condition, optional
+        A comparison such as ``v < 0.1``, judged at the zero on the state before the jump. Where it
+        does not hold, nothing happens.
 
     Raises
     ------
@@ -828,6 +1018,7 @@ class Jump:
         direction: float | Direction = "both",
         stop: bool = False,
         count: int | None = None,
+        condition: Condition | None = None,
     ) -> None:
         values = {} if set is None else set
         if not isinstance(values, Mapping):
@@ -841,6 +1032,9 @@ class Jump:
         self.direction = _DIRECTIONS[sign_of(direction)]
         self.stop = bool(stop)
         self.count = None if count is None else whole(count, "count")
+        if not (condition is None or isinstance(condition, Condition)):
+            raise TypeError(f"condition must be a comparison such as v < 0.1, not {condition!r}")
+        self.condition = condition
         if self.stop and self.count is not None:
             raise ValueError("stop and count say the same: stop=True is count=1")
         if not (self.set or self.stop or self.count):

@@ -12,7 +12,9 @@ import numpy as np
 
 from . import _core
 from ._symbols import (
+    Condition,
     Contact,
+    Curve,
     DiscreteState,
     Expression,
     Input,
@@ -102,7 +104,7 @@ class System:
         rates: dict[State, Any] = {one: 0.0 for one in parts if isinstance(one, State)}
         mine = tomllib.loads(_text({**rates, State("_"): formula}, ((), (), ()), None, None, ""))
         text = tomllib.loads(self._text)
-        kinds = ["definitions", "switches", "inputs", "parameters", "discrete", "states"]
+        kinds = ["definitions", "switches", "inputs", "curves", "parameters", "discrete", "states"]
         known = {name: kind for kind in kinds for name in text.get(kind, {})}
         for kind, name in [(kind, name) for kind in kinds for name in mine.get(kind, {})]:
             there = known.get(name, kind)
@@ -300,7 +302,8 @@ class _Values(dict[str, float]):
 
 def _quoted(value: Any) -> str:
     # JSON and TOML basic strings have the same escapes.
-    return json.dumps(value.text if isinstance(value, Expression) else value, ensure_ascii=False)
+    is_formula = isinstance(value, (Expression, Condition))
+    return json.dumps(value.text if is_formula else value, ensure_ascii=False)
 
 
 def _table(entries: Mapping[str, Any]) -> list[str]:
@@ -313,13 +316,19 @@ def _table(entries: Mapping[str, Any]) -> list[str]:
         elif isinstance(value, int):
             shown = str(value)
         elif isinstance(value, list):
-            shown = "[" + ", ".join(written(one) for one in value) + "]"
+            shown = _list(value)
         elif isinstance(value, dict):
             shown = "{ " + ", ".join(_table(value)) + " }"
         else:
             shown = _quoted(value)
         lines.append(f"{_key(key)} = {shown}")
     return lines
+
+
+def _list(values: list[Any]) -> str:
+    """A list of numbers, or of such lists."""
+    shown = (_list(one) if isinstance(one, list) else written(one) for one in values)
+    return "[" + ", ".join(shown) + "]"
 
 
 def _key(name: str) -> str:
@@ -343,9 +352,10 @@ def _text(
     field = {state.name: expression(rate) for state, rate in rates.items()}
     whole = None if period is None else expression(period)
 
-    given = [*field.values(), *([] if whole is None else [whole])]
+    given: list[Any] = [*field.values(), *([] if whole is None else [whole])]
     for jump in jumps:
         given += [jump.when, *jump.set.values()]
+        given += [] if jump.condition is None else [jump.condition]
         given += [state for state in jump.set if isinstance(state, DiscreteState)]
     discrete = {one for one in _parts([*given, *contacts, *stops]) if isinstance(one, DiscreteState)}
     starts = _starts([*rates, *sorted(discrete, key=lambda one: one.name)], len(rates), start)
@@ -392,8 +402,11 @@ def _text(
         tables.append((f"contacts.{_key(contact.name)}", entries))
     tables += [(f"inputs.{_key(one.name)}", one.entries) for one in of(Input)]
     tables += [(f"switches.{_key(one.name)}", {"function": one.function}) for one in of(Switch)]
+    tables += [(f"curves.{_key(one.name)}", one.entries) for one in of(Curve)]
     for jump in jumps:
         entries = dict[str, Any](when=jump.when, direction=jump.direction)
+        if jump.condition is not None:
+            entries["if"] = jump.condition
         if jump.stop:
             entries["stop"] = True
         if jump.count is not None:
@@ -461,7 +474,7 @@ def _starts(states: Sequence[Any], moving: int, start: Any) -> dict[str, Express
     return {name: expression(start[name]) for name in names if name in start}
 
 
-def _parts(formulas: Iterable[Expression]) -> set[Any]:
+def _parts(formulas: Iterable[Expression | Condition]) -> set[Any]:
     """All named objects that formulas are made of, and those that these are made of."""
     found: dict[str, Any] = {}
     waiting = [part for formula in formulas for part in formula.parts]
@@ -519,5 +532,5 @@ def _inner(part: Any) -> list[Expression]:
 def _described(part: Any) -> Any:
     if isinstance(part, Parameter):
         return part.value, part.range
-    entries = part.entries.items() if isinstance(part, Input) else ()
+    entries = part.entries.items() if isinstance(part, (Curve, Input)) else ()
     return [repr(one) for one in _inner(part)], repr(list(entries))

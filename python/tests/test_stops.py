@@ -55,3 +55,17 @@ def test_what_is_wrong_is_told():
     system = ss.System({h: w, w: -1.0}, stops=[floor])
     with pytest.raises(ss.StickslipError, match="gap of the stop"):
         ss.solve_ivp(system, (0, 1), [-1, 0])
+
+
+@pytest.mark.parametrize("t_eval", [None, np.linspace(0, 20, 301)])
+def test_reactions_and_impulses_are_part_of_a_solution(t_eval):
+    sol = ss.solve_ivp(ball(0.5), (0, 20), t_eval=t_eval)
+    assert np.array_equal(sol.forces[0], np.where(sol.y[2] == 1, 10.0, 0.0))
+    assert not np.signbit(sol.forces).any()
+    impacts = sol.transitions[sol.transitions["contact"] == "floor.impact"]
+    speeds = 10 * 0.5 ** np.arange(len(impacts))
+    assert impacts["impulse"].shape == (len(impacts), 1)
+    assert np.allclose(impacts["impulse"][:, 0], 1.5 * speeds, rtol=0, atol=1e-9)
+    h = ss.state("h")
+    free = ss.solve_ivp(ss.System({h: -1.0}), (0, 1), [1])
+    assert free.forces is None and "impulse" not in free.transitions.dtype.names

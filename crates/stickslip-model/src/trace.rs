@@ -94,6 +94,12 @@ impl Scalar for Symbol {
     fn atan(self) -> Self {
         self.call(Function::Atan)
     }
+    fn atan2(self, x: Self) -> Self {
+        Symbol::node(|graph| graph.angle(self.0, x.0))
+    }
+    fn erf(self) -> Self {
+        self.call(Function::Erf)
+    }
     fn sinh(self) -> Self {
         self.call(Function::Sinh)
     }

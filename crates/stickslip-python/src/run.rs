@@ -466,6 +466,11 @@ fn described<'py>(
     let points = &recording.points;
     fields.numbers("t", points.iter().map(|point| point.0))?;
     fields.rows("y", points.iter().map(|point| &point.1), states)?;
+    let stops = system.file.stops.len();
+    if stops > 0 {
+        let reactions = reactions(system, &recording)?;
+        fields.array("forces", reactions, [stops])?;
+    }
     let events = recording.events.iter().map(|event| {
         let found = &event.found;
         let times = PyArray1::from_iter(py, found.iter().map(|at| at.t));
@@ -493,6 +498,11 @@ fn described<'py>(
     transitions.rows("y_before", changes().map(|at| &at.x), states)?;
     transitions.rows("y", all.iter().map(|(_, after)| after), states)?;
     transitions.numbers("residual", changes().map(|at| at.residual))?;
+    if stops > 0 {
+        let impulses = |at: &Transition| system.impulses(at.contact, at.t, at.x.as_slice());
+        let impulses = changes().flat_map(impulses).map(|impulse| impulse + 0.0);
+        transitions.array("impulse", impulses.collect(), [stops])?;
+    }
     fields.fields("transitions", transitions)?;
     let phases = Fields::new(py);
     let all = &recording.phases;
@@ -510,6 +520,32 @@ fn described<'py>(
     let dense = recording.steps.map(|steps| Dense { steps, end });
     fields.put("sol", dense)?;
     Ok(fields)
+}
+
+/// The reactions of all stops at the points, in the phases of these. Of two points of one time,
+/// between which the state jumps, the second is in the next phase.
+fn reactions(system: &CompiledSystem, recording: &Recording<'_>) -> PyResult<Vec<f64>> {
+    let quantities = system.quantities(&[]);
+    let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    let mut phases = recording.phases.iter().peekable();
+    let mut all = Vec::new();
+    let mut last = f64::NAN;
+    for (t, x) in &recording.points {
+        let is_over = |phase: &&Phase| phase.t_end < *t || phase.t_end == *t && last == *t;
+        let mut before = None;
+        while let Some(phase) = phases.next_if(is_over) {
+            before = Some(phase);
+        }
+        last = *t;
+        let phase = phases
+            .peek()
+            .copied()
+            .or(before)
+            .or(recording.phases.last());
+        let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
+        all.extend(quantities.at(&mode, *t, x.as_slice()));
+    }
+    Ok(all)
 }
 
 /// Status and message of a run that did not fail.

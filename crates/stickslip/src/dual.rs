@@ -6,6 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::math::ERF_SLOPE;
 use crate::scalar::Scalar;
 
 /// A value and its first derivative.
@@ -266,6 +267,17 @@ impl<T: Scalar> Scalar for Dual<T> {
         self.compose([self.re.atan(), (self.re * self.re + 1.0).recip()])
     }
     #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        let square = self.re * self.re + x.re * x.re;
+        let turn = self.eps * x.re - x.eps * self.re;
+        Dual::new(self.re.atan2(x.re), turn / square)
+    }
+    #[inline(always)]
+    fn erf(self) -> Self {
+        let slope = (-(self.re * self.re)).exp() * ERF_SLOPE;
+        self.compose([self.re.erf(), slope])
+    }
+    #[inline(always)]
     fn sinh(self) -> Self {
         self.compose([self.re.sinh(), self.re.cosh()])
     }
@@ -352,6 +364,12 @@ impl<T: Scalar> Scalar for Dual3<T> {
             square * (x * x * f1 * 8.0 - 2.0),
         ])
     }
+    fn erf(self) -> Self {
+        let x = self.re;
+        let square = x * x;
+        let f1 = (-square).exp() * ERF_SLOPE;
+        self.compose([x.erf(), f1, x * f1 * -2.0, (square * 4.0 - 2.0) * f1])
+    }
     fn sinh(self) -> Self {
         let (s, c) = (self.re.sinh(), self.re.cosh());
         self.compose([s, c, s, c])
@@ -401,7 +419,8 @@ mod tests {
     fn f<T: Scalar>(t: T) -> T {
         let waves = t.sin().exp() + t.cos() + t.tan().atan() + 2.0;
         let others = t.sinh() * t.tanh() - t.cosh() + t.powf(1.7) + (-t.sin()).exp() + (-t).abs();
-        waves.sqrt().ln() + others + t.powi(-3)
+        let angles = t.sin().atan2(t - 2.0) + (-t).atan2(t * 3.0) + (t * 0.8).erf();
+        waves.sqrt().ln() + others + t.powi(-3) + angles
     }
 
     #[test]

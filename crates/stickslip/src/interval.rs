@@ -1,6 +1,7 @@
 //! Intervals as a number type: bounds of a function over a range of arguments.
 
 use std::cell::Cell;
+use std::f64::consts::PI;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::Scalar;
@@ -64,6 +65,12 @@ impl Interval {
     /// The image under a function that does not fall.
     fn rising(self, f: impl Fn(f64) -> f64) -> Self {
         Interval::new(f(self.low), f(self.high))
+    }
+
+    /// The part below a bound, if there is one.
+    fn up_to(self, bound: Option<&f64>) -> Self {
+        let high = bound.map_or(self.high, |bound| f64::min(self.high, *bound));
+        Interval { high, ..self }
     }
 
     /// The image under a function of values between −1 and 1 and slopes no steeper.
@@ -205,6 +212,50 @@ impl Scalar for Interval {
     fn atan(self) -> Self {
         self.rising(Scalar::atan)
     }
+    fn atan2(self, x: Self) -> Self {
+        let bounds = [self.low, self.high, x.low, x.high];
+        if bounds.iter().any(|bound| bound.is_nan()) {
+            return UNDEFINED;
+        }
+        // The origin or the negative x axis, where the angle jumps.
+        if x.low <= 0.0 && self.low <= 0.0 && self.high >= 0.0 {
+            return Interval::new(-PI, PI);
+        }
+        let corners = [(0, 2), (0, 3), (1, 2), (1, 3)];
+        let angles = corners.map(|(y, x)| Scalar::atan2(bounds[y], bounds[x]));
+        let everywhere = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = angles.iter().fold(everywhere, |(low, high), &angle| {
+            (f64::min(low, angle), f64::max(high, angle))
+        });
+        Interval { low, high }
+    }
+    fn erf(self) -> Self {
+        self.rising(Scalar::erf)
+    }
+    fn in_pieces(self, cuts: &[f64], value: impl Fn(usize, Self) -> Self) -> Self {
+        if self.low.is_nan() || self.high.is_nan() {
+            return UNDEFINED;
+        }
+        let first = cuts.partition_point(|cut| *cut <= self.low);
+        let mut hull = value(first, self.up_to(cuts.get(first)));
+        for piece in first + 1..=cuts.len() {
+            let from = cuts[piece - 1];
+            if from > self.high {
+                break;
+            }
+            let part = Interval::new(from, self.high).up_to(cuts.get(piece));
+            let image = value(piece, part);
+            let bounds = [hull.low, hull.high, image.low, image.high];
+            if bounds.iter().any(|bound| bound.is_nan()) {
+                return UNDEFINED;
+            }
+            hull = Interval::new(
+                f64::min(bounds[0], bounds[2]),
+                f64::max(bounds[1], bounds[3]),
+            );
+        }
+        hull
+    }
     fn sinh(self) -> Self {
         self.rising(Scalar::sinh)
     }
@@ -262,7 +313,13 @@ mod tests {
     use super::*;
 
     /// Every function of a scalar.
-    fn everything<T: Scalar>(x: T, y: T) -> [T; 13] {
+    fn everything<T: Scalar>(x: T, y: T) -> [T; 16] {
+        // −1 up to −0.5, then a parabola through there up to 1.5, then its end.
+        let in_pieces = x.in_pieces(&[-0.5, 1.5], |piece, x| match piece {
+            0 => T::constant(-1.0),
+            1 => (x - 0.5) * (x - 0.5) - 2.0,
+            _ => T::constant(-1.0),
+        });
         [
             x * y - y / (x * x + 1.5),
             Scalar::sin(x * 2.0) + Scalar::cos(-y),
@@ -277,6 +334,9 @@ mod tests {
             x.sinh() * y.cosh(),
             x.tanh() - x.abs(),
             x.powf(2.5) * (y + 5.0).powf(-1.5),
+            x.atan2(y) + y.atan2(x + 4.0),
+            x.erf() - y.erf(),
+            in_pieces,
         ]
     }
 

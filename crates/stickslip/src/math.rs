@@ -88,6 +88,14 @@ pub fn tanh(x: f64) -> f64 {
     libm::tanh(x)
 }
 
+/// The error function, `2/√π ∫ exp(−t²) dt` from 0 to `x`.
+pub fn erf(x: f64) -> f64 {
+    libm::erf(x)
+}
+
+/// Slope of the error function at 0.
+pub(crate) const ERF_SLOPE: f64 = std::f64::consts::FRAC_2_SQRT_PI;
+
 /// The complement of the error function, `2/√π ∫ exp(−t²) dt` from `x` on.
 pub fn erfc(x: f64) -> f64 {
     libm::erfc(x)

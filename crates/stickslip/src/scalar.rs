@@ -1,5 +1,6 @@
 //! The number type of a model: `f64`, or dual numbers if a derivative is needed.
 
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -61,6 +62,20 @@ pub trait Scalar:
     fn tan(self) -> Self;
     /// Arc tangent in `(-π/2, π/2)`.
     fn atan(self) -> Self;
+    /// Angle of the point `(x, self)` in `[-π, π]`. It jumps by 2π where the point crosses the
+    /// negative x axis, and has no derivative at the origin. Branches are by [`Scalar::exceeds`].
+    fn atan2(self, x: Self) -> Self {
+        // In each of four sectors the quotient is at most 1, so that no digits are lost.
+        match (self.exceeds(x), self.exceeds(-x)) {
+            (false, true) => (self / x).atan(),
+            (true, true) => -(x / self).atan() + FRAC_PI_2,
+            (false, false) => -(x / self).atan() - FRAC_PI_2,
+            (true, false) if Self::zero().exceeds(self) => (self / x).atan() - PI,
+            (true, false) => (self / x).atan() + PI,
+        }
+    }
+    /// The error function, `2/√π ∫ exp(−t²) dt` from 0 on.
+    fn erf(self) -> Self;
     /// Hyperbolic sine.
     fn sinh(self) -> Self;
     /// Hyperbolic cosine.
@@ -132,6 +147,27 @@ pub trait Scalar:
             self
         }
     }
+    /// A continuous function in pieces: `value` of the piece that holds at this number, and of the
+    /// number. Piece `k` lies between `cuts[k - 1]` and `cuts[k]`, which rise. The first cut is in
+    /// the piece above it, every other one in the piece below. Branches are by [`Scalar::exceeds`].
+    #[inline(always)]
+    fn in_pieces(self, cuts: &[f64], value: impl Fn(usize, Self) -> Self) -> Self {
+        let (mut low, mut high) = (0, cuts.len());
+        while low < high {
+            let middle = (low + high) / 2;
+            let cut = Self::constant(cuts[middle]);
+            let is_above = match middle {
+                0 => !cut.exceeds(self),
+                _ => self.exceeds(cut),
+            };
+            if is_above {
+                low = middle + 1;
+            } else {
+                high = middle;
+            }
+        }
+        value(low, self)
+    }
     /// The quotient, or the constant `otherwise` where `by` is zero.
     #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
@@ -175,6 +211,14 @@ impl Scalar for f64 {
     #[inline(always)]
     fn atan(self) -> Self {
         math::atan(self)
+    }
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        math::atan2(self, x)
+    }
+    #[inline(always)]
+    fn erf(self) -> Self {
+        math::erf(self)
     }
     #[inline(always)]
     fn sinh(self) -> Self {

@@ -269,12 +269,16 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
             Direction::Both => String::new(),
             _ => format!(", {direction}"),
         };
-        let line = format!("{}: where {when} = 0{way}: {}", jump.name, words.join(", "));
+        let condition = jump.condition.as_ref().map(|condition| &condition.text);
+        let only = condition.map_or_else(String::new, |text| format!(", if {text}"));
+        let (name, words) = (&jump.name, words.join(", "));
+        let line = format!("{name}: where {when} = 0{way}{only}: {words}");
         let set: Map<String, Value> = set.map(|(state, to)| (state.clone(), json!(to))).collect();
         let object = json!({
             "name": jump.name,
             "when": when,
             "direction": direction,
+            "if": condition,
             "set": set,
             "count": jump.most,
         });
@@ -322,6 +326,19 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
         }
     });
     report.list("inputs", inputs);
+    let curves = file.curves.iter().map(|curve| {
+        let (name, points) = (&curve.name, curve.points);
+        let (from, to) = curve.range;
+        (
+            format!(
+                "{name}: {points} points from {} to {}",
+                readable(from),
+                readable(to)
+            ),
+            json!({ "name": name, "points": points, "range": curve.range }),
+        )
+    });
+    report.list("curves", curves);
 }
 
 /// Side of a boundary on which the start lies, and the value of the boundary function there.

@@ -40,7 +40,9 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         figures: true,
         steps: false,
     };
-    let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options, wanted, None);
+    let (start, quantities) = ((orbit.t, x), system.quantities(&[])?);
+    let (recording, outcome) =
+        Recording::of(system, start, t_end, options, wanted, None, quantities);
     outcome?;
     let (extremes, _) = extremes(system.dynamics(), (orbit.t, x), t_end, options)?;
 

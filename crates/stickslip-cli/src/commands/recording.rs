@@ -14,7 +14,7 @@ use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, s
 use crate::failure::CommandLine;
 use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
-use stickslip_model::file::{InputShape, System};
+use stickslip_model::file::{InputShape, Quantities, System};
 use stickslip_model::kernel::follow_on;
 use stickslip_model::study::{FrictionWatch, StepMonitor};
 
@@ -45,37 +45,44 @@ pub(super) struct Wanted {
 
 /// Content of the figures of an orbit.
 pub(super) struct Pictures {
-    /// Each state against time.
+    /// Each state against time, and then each further quantity.
     pub(super) history: Vec<Trace>,
     /// The plane of the first two states; the same where each contact sticks.
     pub(super) portrait: Trace,
     pub(super) sticks: Vec<Trace>,
-    /// Minimum and maximum of each state.
+    /// Minimum and maximum of each state, and of each further quantity that had a value.
     pub(super) extents: Vec<(f64, f64)>,
 }
 
 impl Pictures {
     /// Pictures of a point.
-    fn new(system: &System, at: &Moment) -> Self {
+    fn new(system: &System, at: &Moment, quantities: usize) -> Self {
         let trace = |size, pen, count: usize| Trace::new(size, pen, MOST_POINTS / count);
         let contacts = system.contacts();
         let stick = |contact| trace(PORTRAIT_SIZE, stick_width(contacts, contact), 2 + contacts);
+        let panels = at.x.len() + quantities;
+        let unknown = (f64::INFINITY, f64::NEG_INFINITY);
+        let extents = at.x.iter().map(|&x| (x, x));
         let mut pictures = Pictures {
-            history: vec![trace(HISTORY_SIZE, CURVE_WIDTH, at.x.len()); at.x.len()],
+            history: vec![trace(HISTORY_SIZE, CURVE_WIDTH, panels); panels],
             portrait: trace(PORTRAIT_SIZE, CURVE_WIDTH, 2 + contacts),
             sticks: (0..contacts).map(stick).collect(),
-            extents: at.x.iter().map(|&x| (x, x)).collect(),
+            extents: extents.chain(vec![unknown; quantities]).collect(),
         };
-        pictures.add(at, None);
+        pictures.add(at, None, &[]);
         pictures
     }
 
-    /// Adds a point, of an orbit in this mode.
-    fn add(&mut self, Moment { t, x }: &Moment, mode: Option<Modes>) {
-        for (trace, &x) in self.history.iter_mut().zip(x) {
-            trace.push((*t, x));
+    /// Adds a point, of an orbit in this mode, and the further quantities there.
+    fn add(&mut self, Moment { t, x }: &Moment, mode: Option<Modes>, quantities: &[f64]) {
+        for (trace, &x) in self.history.iter_mut().zip(x.iter().chain(quantities)) {
+            match x.is_nan() {
+                true => trace.lift(),
+                false => trace.push((*t, x)),
+            }
         }
-        for ((low, high), &x) in self.extents.iter_mut().zip(x) {
+        let extents = self.extents.iter_mut();
+        for ((low, high), &x) in extents.zip(x.iter().chain(quantities)) {
             (*low, *high) = (low.min(x), high.max(x));
         }
         let Some(&second) = x.get(1) else {
@@ -91,7 +98,12 @@ impl Pictures {
     }
 
     /// Adds the points of a step.
-    fn step(&mut self, step: &Step, solution: &dyn Fn(f64) -> Vector) {
+    fn step(
+        &mut self,
+        step: &Step,
+        solution: &dyn Fn(f64) -> Vector,
+        quantities: &mut Quantities<'_>,
+    ) {
         let at = |k: u32| {
             let part = f64::from(k) / f64::from(PARTS_PER_STEP);
             let t = step.t_start + part * (step.t_end - step.t_start);
@@ -101,17 +113,31 @@ impl Pictures {
         let [mut from, end] = [(step.t_start, &step.x_start), (step.t_end, &step.x_end)]
             .map(|(t, x)| Moment { t, x: x.clone() });
         // Behind a jump the curve begins anew, so that its edge is vertical.
-        self.add(&from, Some(step.mode));
+        let mut of = PictureStep {
+            mode: step.mode,
+            solution,
+            quantities,
+        };
+        self.point(&mut of, &from);
         for to in (1..PARTS_PER_STEP).map(at).chain([end]) {
-            self.part((step.mode, solution), &from, &to, MOST_HALVINGS);
+            self.part(&mut of, &from, &to, MOST_HALVINGS);
             from = to;
         }
     }
 
+    /// Adds a point of a step.
+    fn point(&mut self, of: &mut PictureStep<'_, '_>, at: &Moment) {
+        let quantities = of.quantities.at(&of.mode, at.t, at.x.as_slice());
+        self.add(at, Some(of.mode), &quantities);
+    }
+
     /// Adds the points of a step between two moments, and the second one.
-    fn part(&mut self, of: (Modes, &dyn Fn(f64) -> Vector), from: &Moment, to: &Moment, deep: u32) {
+    fn part(&mut self, of: &mut PictureStep<'_, '_>, from: &Moment, to: &Moment, deep: u32) {
         let t = 0.5 * (from.t + to.t);
-        let middle = Moment { t, x: of.1(t) };
+        let middle = Moment {
+            t,
+            x: (of.solution)(t),
+        };
         let ends = from.x.iter().zip(&to.x);
         let mut states = middle.x.iter().zip(ends).zip(&self.extents);
         let is_bent = states.any(|((x, (a, b)), &(low, high))| {
@@ -122,9 +148,16 @@ impl Pictures {
             self.part(of, from, &middle, deep - 1);
             return self.part(of, &middle, to, deep - 1);
         }
-        self.add(&middle, Some(of.0));
-        self.add(to, Some(of.0));
+        self.point(of, &middle);
+        self.point(of, to);
     }
+}
+
+/// A step as pictures show it.
+struct PictureStep<'a, 's> {
+    mode: Modes,
+    solution: &'a dyn Fn(f64) -> Vector,
+    quantities: &'a mut Quantities<'s>,
 }
 
 /// An event at one time of an orbit.
@@ -195,9 +228,13 @@ pub(super) struct Recording {
     /// Time and states at the ends of steps and behind jumps, in one row after the other. Between
     /// them the solution is less accurate.
     pub(super) steps: Vec<f64>,
+    /// Reactions of stops and what else is observed: their names, and a row for each of the steps'.
+    pub(super) quantities: (Vec<String>, Vec<f64>),
     pub(super) pictures: Option<Pictures>,
     /// The end, if another run can go on from it.
     pub(super) memory: Option<RunMemory>,
+    /// The mode of the last step.
+    mode: Option<Modes>,
     wanted: Wanted,
     t_end: f64,
     monitor: StepMonitor,
@@ -214,6 +251,7 @@ impl Recording {
         options: &Options,
         wanted: Wanted,
         from: Option<&RunMemory>,
+        mut quantities: Quantities<'_>,
     ) -> (Self, Result<Summary, Error>) {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
         let begin = Moment { t, x };
@@ -225,8 +263,12 @@ impl Recording {
             doubtful: Vec::new(),
             end: begin.clone(),
             steps: Vec::new(),
-            pictures: wanted.figures.then(|| Pictures::new(system, &begin)),
+            quantities: (quantities.names().to_vec(), Vec::new()),
+            pictures: wanted
+                .figures
+                .then(|| Pictures::new(system, &begin, quantities.names().len())),
             memory: None,
+            mode: None,
             wanted,
             t_end,
             monitor: StepMonitor::new(start, t_end, options),
@@ -241,7 +283,7 @@ impl Recording {
             }
             match progress {
                 OrbitProgress::Step => {
-                    recording.step(orbit);
+                    recording.step(orbit, &mut quantities);
                     friction.step(orbit);
                 }
                 OrbitProgress::PhaseEnd(phase) => recording.phases.push(phase),
@@ -273,6 +315,7 @@ impl Recording {
             && recording.end.x != end.x
         {
             recording.row(end.t, end.x.as_slice());
+            recording.observe(&mut quantities);
             recording.end.x.clone_from(&end.x);
         }
         recording.progress.clear();
@@ -290,9 +333,27 @@ impl Recording {
         }
     }
 
+    /// Computes the quantities of the rows that have none, in the mode of the last step.
+    fn observe(&mut self, quantities: &mut Quantities<'_>) {
+        let (Some(mode), count) = (self.mode, quantities.names().len()) else {
+            return;
+        };
+        let width = 1 + self.begin.x.len();
+        let done = match count {
+            0 => return,
+            count => self.quantities.1.len() / count,
+        };
+        for row in self.steps.chunks_exact(width).skip(done) {
+            self.quantities
+                .1
+                .extend(quantities.at(&mode, row[0], &row[1..]));
+        }
+    }
+
     /// Records a step.
-    fn step(&mut self, orbit: &mut dyn OrbitUnderWay) {
+    fn step(&mut self, orbit: &mut dyn OrbitUnderWay, quantities: &mut Quantities<'_>) {
         let step = orbit.last_step();
+        self.mode = Some(step.mode);
         if let Some(warning) = self.monitor.step(&step, &CommandLine) {
             note(&format!("warning: {warning}"));
         }
@@ -313,8 +374,9 @@ impl Recording {
             self.row(step.t_start, step.x_start.as_slice());
         }
         self.row(step.t_end, step.x_end.as_slice());
+        self.observe(quantities);
         if let Some(pictures) = &mut self.pictures {
-            pictures.step(&step, &*orbit.solution());
+            pictures.step(&step, &*orbit.solution(), quantities);
         }
         let (from, to) = (self.begin.t, self.t_end);
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);

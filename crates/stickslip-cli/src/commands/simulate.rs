@@ -42,6 +42,11 @@ pub(super) struct Arguments {
     /// Write no steps.csv
     #[arg(long)]
     no_steps: bool,
+    /// Also write and draw a formula of states, parameters, inputs, time and the reactions of
+    /// stops, as in --observe "friction = mu*floor.force": a column of steps.csv and a panel of
+    /// history.svg. Repeatable. The reactions themselves are there without it
+    #[arg(long, value_name = "NAME=FORMULA")]
+    observe: Vec<String>,
     #[command(flatten)]
     run: RunArguments,
 }
@@ -91,8 +96,20 @@ fn followed(
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,
     };
+    let observed = arguments
+        .observe
+        .iter()
+        .map(|text| match text.split_once('=') {
+            Some((name, formula)) => Ok((name.trim(), formula.trim())),
+            None => Err(Failure::Usage(format!(
+                "--observe {text}: write a name and a formula, as in --observe \"power = v*f\""
+            ))),
+        });
+    let observed = observed.collect::<Result<Vec<_>, Failure>>()?;
+    let quantities = system.quantities(&observed)?;
+    let (from, start) = (from.as_ref(), (*t, &x[..]));
     let (mut recording, outcome) =
-        Recording::of(system, (*t, x), t_end, options, wanted, from.as_ref());
+        Recording::of(system, start, t_end, options, wanted, from, quantities);
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {
@@ -114,10 +131,18 @@ fn followed(
         report.table(End::of(system, options, memory).artifact()?);
     }
     if wanted.steps {
+        let (names, values) = &recording.quantities;
         let steps = Table::new()
-            .column("t", |row: &&[f64]| row[0])
-            .state(system, "", |row| row[1..].to_vec());
-        report.table(steps.csv("steps", recording.steps.chunks_exact(1 + system.states()))?);
+            .column("t", |row: &(&[f64], &[f64])| row.0[0])
+            .state(system, "", |row| row.0[1..].to_vec())
+            .many("quantities", names.clone(), |row| row.1.to_vec());
+        let rows = recording.steps.chunks_exact(1 + system.states());
+        let count = names.len();
+        let rows = rows.enumerate().map(|(k, row)| {
+            let own = values.get(k * count..(k + 1) * count);
+            (row, own.unwrap_or_default())
+        });
+        report.table(steps.csv("steps", rows)?);
     }
     let passages = Table::new()
         .column("t", |at: &&Passage| at.t)

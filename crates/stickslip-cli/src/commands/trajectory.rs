@@ -1,6 +1,7 @@
 //! The tables and figures of an orbit.
 
 use plot::*;
+use stickslip::TransitionKind;
 use stickslip::dynamics::Phase;
 
 use super::figures::{axis, symbol, time_label, with_unit};
@@ -81,13 +82,23 @@ pub(super) fn put(
 
 /// The columns of transitions.
 pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Occurrence> {
-    Table::new()
+    let table = Table::new()
         .column("t", |at: &&Occurrence| at.t())
         .column("kind", |at| at.kind(system))
         .column("contact", |at| at.of(system))
         .modes(system, ("from", "from_"), |at| at.modes()[0])
         .modes(system, ("to", "to_"), |at| at.modes()[1])
-        .state(system, "", |at| at.x().clone())
+        .state(system, "", |at| at.x().clone());
+    let stops = system.file.stops.iter().enumerate();
+    stops.fold(table, |table, (stop, entry)| {
+        table.column(&format!("{}.impulse", entry.name), move |at| match at {
+            Occurrence::Transition(at) if at.kind == TransitionKind::Jump => {
+                let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
+                impulses.get(stop).map(|impulse| impulse + 0.0)
+            }
+            _ => None,
+        })
+    })
 }
 
 /// Width of the line of a contact's stick in the portrait, px. Where several contacts stick, the
@@ -178,21 +189,26 @@ fn by_columns(sticks: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> 
     joined
 }
 
-/// All states against time, and the intervals in which each contact sticks.
+/// All states and further quantities against time, and the intervals in which each contact sticks.
 fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figure {
     let (from, to) = (recording.begin.t, recording.end.t);
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
     // The minimum is the room for the label beside the strips.
     let strips_height = (STRIP_HEIGHT * system.contacts() as f64).max(LEAST_STRIPS_HEIGHT);
-    let panels = states.len() as f64;
+    let states = states
+        .iter()
+        .map(|state| (&state.name, state.unit.as_str()));
+    let quantities = recording.quantities.0.iter().map(|name| (name, ""));
+    let curves: Vec<(&String, &str)> = states.chain(quantities).collect();
+    let panels = curves.len() as f64;
     let strips = match system.contacts() {
         0 => 0.0,
         _ => strips_height + PANEL_SPACING,
     };
     let height = (STATE_PANEL_HEIGHT + PANEL_SPACING) * panels + strips + AXIS_HEIGHT;
     let title = format!("{}: time history", system.file.name);
-    let names: Vec<&str> = states.iter().map(|state| state.name.as_str()).collect();
+    let names: Vec<&str> = curves.iter().map(|curve| curve.0.as_str()).collect();
     let description = format!(
         "Time history of {} from t = {from} to {to}: {}{}.",
         system.file.name,
@@ -205,7 +221,7 @@ fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figur
     let mut figure = Figure::new("history", (HISTORY_SIZE.0, height), &title, &description);
     // The sticks of a single contact are also behind each state.
     let strips_of_sticks = match system.contacts() {
-        1 => 1 + states.len(),
+        1 => 1 + curves.len(),
         contacts => contacts,
     };
     let all_sticks = (0..system.contacts()).map(|contact| {
@@ -213,11 +229,17 @@ fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figur
         by_columns(&recording.sticks_of(contact), (from, to), columns)
     });
     let all_sticks: Vec<Vec<(f64, f64)>> = all_sticks.collect();
-    for (k, state) in states.iter().enumerate() {
-        let values = ends(pictures.extents[k]);
-        let label = with_unit(&state.name, &state.unit);
-        // Without contacts the time axis is below the panel of the last state.
-        let is_lowest = all_sticks.is_empty() && k + 1 == states.len();
+    for (k, (name, unit)) in curves.iter().enumerate() {
+        let extent = pictures.extents[k];
+        // What never had a value has an empty panel.
+        let values = ends(if extent.0 <= extent.1 {
+            extent
+        } else {
+            (0.0, 0.0)
+        });
+        let label = with_unit(name, unit);
+        // Without contacts the time axis is below the last panel.
+        let is_lowest = all_sticks.is_empty() && k + 1 == curves.len();
         let (below, height) = match is_lowest {
             true => (time(&time_label(system)), STATE_PANEL_HEIGHT + AXIS_HEIGHT),
             false => (time("").bare(), STATE_PANEL_HEIGHT),

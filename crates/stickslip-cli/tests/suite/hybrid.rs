@@ -431,3 +431,63 @@ fn an_equilibrium_holds_discrete_states() {
     }
     assert!(count > 10);
 }
+
+/// A ball that comes to rest on a floor: the reaction, impulses and a formula in all tables.
+#[test]
+fn reactions_impulses_and_formulas_are_in_the_tables() {
+    let ball = "name = \"ball\"\n[states]\nh = \"\"\nw = \"\"\n[parameters]\ng = 10\nr = 0.5\n\
+                [stops.floor]\ngap = \"h\"\nacts = { w = 1 }\nrestitution = \"r\"\n[field]\n\
+                h = \"w\"\nw = \"-g\"\n[start]\nh = 5\nw = 0\n[time]\nend = 5\n";
+    let (top, mut command) = program(ball);
+    command.args(["simulate", "system.toml", "--out", "out", "--json"]);
+    command.args([
+        "--observe",
+        "load = floor.force/g",
+        "--observe",
+        "energy=g*h + w^2/2",
+    ]);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let read = |name: &str| std::fs::read_to_string(top.path().join("out").join(name)).unwrap();
+    let rows = |text: String| -> Vec<Vec<String>> {
+        let cells = |line: &str| line.split(',').map(str::to_owned).collect();
+        text.lines().map(cells).collect()
+    };
+    let steps = rows(read("steps.csv"));
+    let heading = "t,h,w,floor.closed,floor.force,load,energy";
+    assert_eq!(steps[0].join(","), heading);
+    let number = |cell: &String| cell.parse::<f64>().unwrap();
+    for row in &steps[1..] {
+        let row: Vec<f64> = row.iter().map(number).collect();
+        assert_eq!([row[4], row[5]], [10.0 * row[3], row[3]], "{row:?}");
+        assert_eq!(row[6], 10.0 * row[1] + row[2] * row[2] / 2.0);
+    }
+    assert!(steps.last().unwrap()[4] == "10.0", "{:?}", steps.last());
+    let transitions = rows(read("transitions.csv"));
+    let column = transitions[0]
+        .iter()
+        .position(|name| name == "floor.impulse")
+        .unwrap();
+    for (row, impulse) in transitions[1..].iter().zip([15.0, 7.5, 3.75]) {
+        assert!((number(&row[column]) - impulse).abs() < 1e-11, "{row:?}");
+    }
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let first = &json["transitions"][0]["floor.impulse"];
+    assert!((first.as_f64().unwrap() - 15.0).abs() < 1e-11, "{first}");
+    let history = read("history.svg");
+    assert!(history.contains("floor.force") && history.contains("energy"));
+    for (formula, message) in [
+        ("load", "write a name and a formula"),
+        ("h = 1", "the name `h` is taken already"),
+        ("load = floor.forces", "did you mean `floor.force`?"),
+    ] {
+        let (_top, mut command) = program(ball);
+        command.args(["simulate", "system.toml", "--observe", formula]);
+        let output = command.output().unwrap();
+        let words = String::from_utf8(output.stderr).unwrap();
+        assert!(
+            !output.status.success() && words.contains(message),
+            "{words}"
+        );
+    }
+}

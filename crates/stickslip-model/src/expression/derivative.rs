@@ -1,5 +1,8 @@
 //! Derivatives of the numbers of a graph, as numbers of the same graph.
 
+use std::f64::consts::FRAC_2_SQRT_PI;
+use std::sync::Arc;
+
 use super::functions::Function;
 use super::graph::{Graph, Id, Node, NotANumber};
 use super::tree::Binary;
@@ -59,10 +62,33 @@ impl Graph {
                         self.times(da, slope)?
                     }
                 },
-                Node::Larger(a, b) => self.chosen([a, b], [of(a), of(b)])?,
-                Node::Smaller(a, b) => self.chosen([b, a], [of(a), of(b)])?,
+                Node::Curve(number, a) => match of(a) {
+                    None => None,
+                    da => {
+                        let slope = Arc::new(self.curves()[number as usize].derivative());
+                        let slope = self.curve(&slope, a)?;
+                        self.times(da, slope)?
+                    }
+                },
+                Node::Angle(y, x) => {
+                    let (left, right) = (self.times(of(y), x)?, self.times(of(x), y)?);
+                    self.less(left, right)?
+                        .map(|turn| {
+                            let squares = [x, y].map(|one| self.binary(Binary::Product, one, one));
+                            let [x, y] = squares;
+                            let square = self.binary(Binary::Sum, x?, y?)?;
+                            self.binary(Binary::Quotient, turn, square)
+                        })
+                        .transpose()?
+                }
+                Node::Larger(a, b) => self.leading([a, b], [of(a), of(b)])?,
+                Node::Smaller(a, b) => self.leading([b, a], [of(a), of(b)])?,
                 Node::WherePositive(condition, a) => {
                     let there = of(a).map(|da| self.where_positive(condition, da));
+                    there.transpose()?
+                }
+                Node::WhereNotPositive(condition, a) => {
+                    let there = of(a).map(|da| self.where_not_positive(condition, da));
                     there.transpose()?
                 }
             };
@@ -71,8 +97,8 @@ impl Graph {
         Ok(derivatives[root.index()])
     }
 
-    /// Whether a number is a smooth function of its inputs: without absolute values, bounds and
-    /// conditions.
+    /// Whether a number is a smooth function of its inputs: without absolute values, bounds,
+    /// conditions and curves.
     pub fn is_smooth(&self, root: Id) -> bool {
         let is_used = self.used_by(&[root]);
         let mut used = (0..is_used.len()).filter(|&i| is_used[i]);
@@ -82,6 +108,8 @@ impl Graph {
                 Node::Larger(..)
                     | Node::Smaller(..)
                     | Node::WherePositive(..)
+                    | Node::WhereNotPositive(..)
+                    | Node::Curve(..)
                     | Node::Call(Function::Abs, _)
             )
         })
@@ -142,6 +170,15 @@ impl Graph {
                 let sum = self.binary(Binary::Sum, one, square)?;
                 self.binary(Binary::Quotient, one, sum)?
             }
+            Function::Erf => {
+                let square = self.binary(Binary::Product, a, a)?;
+                let exponent = self.negative(square)?;
+                let (bell, factor) = (
+                    self.call(Function::Exp, exponent)?,
+                    self.constant(FRAC_2_SQRT_PI)?,
+                );
+                self.binary(Binary::Product, bell, factor)?
+            }
             Function::Sinh => self.call(Function::Cosh, a)?,
             Function::Cosh => self.call(Function::Sinh, a)?,
             Function::Tanh => {
@@ -164,7 +201,7 @@ impl Graph {
     }
 
     /// The derivative of the larger of two numbers, given as a difference of `larger` first.
-    fn chosen(
+    fn leading(
         &mut self,
         [first, second]: [Id; 2],
         [by_a, by_b]: [Option<Id>; 2],
@@ -182,7 +219,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expression::{ExpressionKind, Tape, parse};
+    use crate::expression::{Between, Beyond, Curve, ExpressionKind, Tape, parse};
     use stickslip::scalar::Dual;
 
     /// Adds an expression of `x`, `y` and `t` to a graph.
@@ -198,6 +235,7 @@ mod tests {
                 let inner = number(graph, inner);
                 graph.negative(inner)
             }
+            ExpressionKind::Condition(_) => unreachable!("no text has one"),
             ExpressionKind::Chain(first, rest) => {
                 let mut id = number(graph, first);
                 for (operator, operand) in rest {
@@ -213,6 +251,10 @@ mod tests {
             } => {
                 let ids: Vec<Id> = arguments.iter().map(|of| number(graph, of)).collect();
                 match function.as_str() {
+                    "atan2" => graph.angle(ids[0], ids[1]),
+                    "erf" => graph.call(Function::Erf, ids[0]),
+                    "curve" => graph.curve(&Arc::new(curve()), ids[0]),
+                    "if" => graph.chosen(ids[0], ids[1], ids[2]),
                     "max" => graph.larger(ids[0], ids[1]),
                     "min" => graph.smaller(ids[0], ids[1]),
                     "where" => graph.where_positive(ids[0], ids[1]),
@@ -221,6 +263,11 @@ mod tests {
             }
         };
         built.expect("finite")
+    }
+
+    fn curve() -> Curve {
+        let (xs, ys) = ([0.0, 0.5, 1.0, 1.5], [1.0, 0.5, 2.0, 2.5]);
+        Curve::new(&xs, &ys, Between::Monotone, Beyond::Hold).expect("a curve")
     }
 
     /// Derivatives as expressions are those of dual numbers, to rounding.
@@ -235,6 +282,8 @@ mod tests {
             "x^-3 + (1 + y^2)^1.7 - (2 + x)^y",
             "max(x, y)*min(x*y, t) + abs(x - 2*y)",
             "where(x - y, x^2) + where(y - x, y^3)",
+            "atan2(x*y - 1, t - x)*erf(x - y)",
+            "x*curve(x*y) + if(x - y, x^2, y^3)",
         ] {
             let mut graph = Graph::new();
             let root = number(&mut graph, &parse(text).expect("text"));

@@ -13,6 +13,8 @@ pub enum Function {
     Tan,
     /// Arc tangent.
     Atan,
+    /// Error function.
+    Erf,
     /// Hyperbolic sine.
     Sinh,
     /// Hyperbolic cosine.
@@ -61,6 +63,7 @@ impl Function {
             Function::Cos => a.cos(),
             Function::Tan => a.tan(),
             Function::Atan => a.atan(),
+            Function::Erf => a.erf(),
             Function::Sinh => a.sinh(),
             Function::Cosh => a.cosh(),
             Function::Tanh => a.tanh(),

@@ -1,7 +1,10 @@
 //! Expressions with resolved names. Common subexpressions are shared and constants are folded.
 
+use std::sync::Arc;
+
 use rustc_hash::FxHashMap;
 
+use super::curve::Curve;
 use super::functions::Function;
 use super::tree::Binary;
 use stickslip::math;
@@ -41,10 +44,16 @@ pub(super) enum Node {
     IntegerPower(Id, i32),
     RealPower(Id, u64),
     Call(Function, Id),
+    /// The curve with this number.
+    Curve(u32, Id),
+    /// The angle of the point whose second coordinate comes first.
+    Angle(Id, Id),
     Larger(Id, Id),
     Smaller(Id, Id),
     /// The second where the first is positive, else zero.
     WherePositive(Id, Id),
+    /// The second where the first is not positive, else zero.
+    WhereNotPositive(Id, Id),
 }
 
 impl Node {
@@ -55,14 +64,25 @@ impl Node {
             Node::Negative(a)
             | Node::IntegerPower(a, _)
             | Node::RealPower(a, _)
+            | Node::Curve(_, a)
             | Node::Call(_, a) => [Some(a), None],
             Node::Sum(a, b)
             | Node::Difference(a, b)
             | Node::Product(a, b)
             | Node::Quotient(a, b)
+            | Node::Angle(a, b)
             | Node::Larger(a, b)
             | Node::Smaller(a, b)
-            | Node::WherePositive(a, b) => [Some(a), Some(b)],
+            | Node::WherePositive(a, b)
+            | Node::WhereNotPositive(a, b) => [Some(a), Some(b)],
+        }
+    }
+
+    /// The operands without conditions.
+    fn values(self) -> [Option<Id>; 2] {
+        match self {
+            Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => [Some(a), None],
+            other => other.operands(),
         }
     }
 }
@@ -74,6 +94,7 @@ impl Node {
 pub struct Graph {
     nodes: Vec<Node>,
     ids: FxHashMap<Node, Id>,
+    curves: Vec<Arc<Curve>>,
 }
 
 type NodeResult = Result<Id, NotANumber>;
@@ -251,6 +272,39 @@ impl Graph {
         }
     }
 
+    /// A curve at a number.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn curve(&mut self, curve: &Arc<Curve>, a: Id) -> NodeResult {
+        if let Some(a) = self.value(a) {
+            return self.constant(curve.of(a));
+        }
+        let mut known = self.curves.iter();
+        let known = known.position(|known| Arc::ptr_eq(known, curve) || known == curve);
+        let number = known.unwrap_or_else(|| {
+            self.curves.push(Arc::clone(curve));
+            self.curves.len() - 1
+        });
+        Ok(self.add(Node::Curve(number as u32, a)))
+    }
+
+    /// The curves that numbers of the graph are computed by.
+    pub(super) fn curves(&self) -> &[Arc<Curve>] {
+        &self.curves
+    }
+
+    /// The angle of the point `(x, y)`.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn angle(&mut self, y: Id, x: Id) -> NodeResult {
+        match (self.value(y), self.value(x)) {
+            (Some(y), Some(x)) => self.constant(math::atan2(y, x)),
+            _ => Ok(self.add(Node::Angle(y, x))),
+        }
+    }
+
     /// The larger of two.
     ///
     /// # Errors
@@ -285,6 +339,31 @@ impl Graph {
         }
     }
 
+    /// One number where `condition` is positive, and another elsewhere.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn chosen(&mut self, condition: Id, there: Id, elsewhere: Id) -> NodeResult {
+        if there == elsewhere {
+            return Ok(there);
+        }
+        let there = self.where_positive(condition, there)?;
+        let elsewhere = self.where_not_positive(condition, elsewhere)?;
+        self.sum(there, elsewhere)
+    }
+
+    /// The number `a` where `condition` is not positive, else zero.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn where_not_positive(&mut self, condition: Id, a: Id) -> NodeResult {
+        match self.value(condition) {
+            Some(value) if value > 0.0 => self.constant(0.0),
+            Some(_) => Ok(a),
+            None => Ok(self.add(Node::WhereNotPositive(condition, a))),
+        }
+    }
+
     /// Adds a node, unless it or the one with exchanged operands exists already.
     fn commutative(&mut self, node: Node, exchanged: Node) -> Id {
         self.find(exchanged).unwrap_or_else(|| self.add(node))
@@ -292,13 +371,18 @@ impl Graph {
 
     /// For every index, whether the number is one of `roots` or an operand of them at any depth.
     pub(super) fn used_by(&self, roots: &[Id]) -> Vec<bool> {
+        self.reached(roots, Node::operands)
+    }
+
+    /// As [`Graph::used_by`], through some of the operands.
+    fn reached(&self, roots: &[Id], operands: fn(Node) -> [Option<Id>; 2]) -> Vec<bool> {
         let mut is_used = vec![false; self.nodes.len()];
         for root in roots {
             is_used[root.index()] = true;
         }
         for i in (0..self.nodes.len()).rev() {
             if is_used[i] {
-                for operand in self.nodes[i].operands().into_iter().flatten() {
+                for operand in operands(self.nodes[i]).into_iter().flatten() {
                     is_used[operand.index()] = true;
                 }
             }
@@ -314,6 +398,17 @@ impl Graph {
     /// Whether a number depends on one of these states.
     pub fn depends_on_states(&self, root: Id, wanted: impl Fn(usize) -> bool) -> bool {
         self.depends(root, |input| input > 0 && wanted(usize::from(input) - 1))
+    }
+
+    /// Whether a number has isolated values where time and these states vary and other states do
+    /// not: it depends on them through conditions alone.
+    pub fn is_isolated_from(&self, root: Id, vary: impl Fn(usize) -> bool) -> bool {
+        let is_used = self.reached(&[root], Node::values);
+        let mut nodes = self.nodes.iter().zip(is_used);
+        !nodes.any(|(node, is_used)| {
+            let varies = |input: u8| input == 0 || vary(usize::from(input) - 1);
+            is_used && matches!(node, Node::Input(k) if varies(*k))
+        })
     }
 
     /// Whether a number depends on the state.

@@ -12,6 +12,7 @@
 //! takes trees with all names resolved, shares common subexpressions and folds constants. A
 //! [`Tape`] is the graph in order of evaluation, with few registers.
 
+mod curve;
 mod derivative;
 mod functions;
 mod graph;
@@ -20,13 +21,14 @@ mod tape;
 mod token;
 mod tree;
 
+pub use curve::{Between, Beyond, Curve, NoCurve};
 pub use derivative::Variable;
 pub use functions::{FUNCTIONS, Function};
 pub use graph::{Graph, Id, NotANumber};
-pub use parse::{CHOICE, parse};
+pub use parse::{CHOICE, parse, parse_condition};
 pub use tape::{MOST_REGISTERS, Tape, TooLarge};
 pub use token::{begins_name, is_in_name, normal};
-pub use tree::{Binary, Expression, ExpressionKind};
+pub use tree::{Binary, Condition, Expression, ExpressionKind};
 
 use std::ops::Range;
 

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::SyntaxError;
 use super::token::{Comparison, Token, no_condition, tokens};
-use super::tree::{Binary, Expression, ExpressionKind};
+use super::tree::{Binary, Condition, Expression, ExpressionKind};
 
 /// Most levels of nesting, so that recursion does not overflow the stack. It is chosen: formulas
 /// written by hand have far fewer.
@@ -22,6 +22,23 @@ pub const CHOICE: &str = "if";
 /// # Errors
 /// [`SyntaxError`] with the position of the first part that cannot be parsed.
 pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
+    whole(text, |parser| parser.sum())
+}
+
+/// Parses a text into the tree of a condition: comparisons by `<`, `<=`, `>` and `>=`, and `not`,
+/// `and` and `or`, which bind in this order.
+///
+/// # Errors
+/// See [`parse()`]. The text must be a condition.
+pub fn parse_condition(text: &str) -> Result<Expression, SyntaxError> {
+    let expression = whole(text, |parser| parser.condition())?;
+    match expression.kind {
+        ExpressionKind::Condition(_) => Ok(expression),
+        _ => Err(no_comparison(&expression)),
+    }
+}
+
+fn whole(text: &str, part: fn(&mut Parser<'_>) -> Parsed) -> Parsed {
     let tokens = tokens(text)?;
     let mut parser = Parser {
         tokens: &tokens,
@@ -29,11 +46,17 @@ pub fn parse(text: &str) -> Result<Expression, SyntaxError> {
         end: text.trim_end().len(),
         depth: 0,
     };
-    let expression = parser.sum()?;
+    let expression = part(&mut parser)?;
     match parser.peek() {
         None => Ok(expression),
         Some((token, place)) => Err(left_over(&expression, token, place)),
     }
+}
+
+/// Reports a number where a condition is expected.
+fn no_comparison(number: &Expression) -> SyntaxError {
+    SyntaxError::new("this is a number, not a condition", number.span.clone())
+        .help("a condition compares two numbers, as in v < 0.1")
 }
 
 /// Reports what follows a complete expression.
@@ -182,15 +205,10 @@ impl<'a> Parser<'a> {
         let open = place.end..place.end + 1;
         let mut arguments = Vec::new();
         if self.take(&Token::Close).is_none() {
-            let first = self.sum()?;
-            let comparison = self.comparison().filter(|_| function == CHOICE);
-            match comparison {
-                Some(comparison) => {
-                    let second = self.sum()?;
-                    return self.choice((place, &open), [first, second], comparison);
-                }
-                None => arguments.push(first),
-            }
+            arguments.push(match function {
+                CHOICE => self.condition()?,
+                _ => self.sum()?,
+            });
             while self.take(&Token::Comma).is_some() {
                 arguments.push(self.sum()?);
             }
@@ -218,38 +236,119 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The rest of a choice behind its condition: a call with the number that is positive where the
-    /// condition holds, the expression there, and the other.
-    fn choice(
+    /// A condition, or a number where none is compared.
+    fn condition(&mut self) -> Parsed {
+        self.conditions("or", Self::conjunction, Condition::Any)
+    }
+
+    fn conjunction(&mut self) -> Parsed {
+        self.conditions("and", Self::negation, Condition::All)
+    }
+
+    /// Conditions that a word joins.
+    fn conditions(
         &mut self,
-        (place, open): (&Range<usize>, &Range<usize>),
-        [first, second]: [Expression; 2],
-        comparison: Comparison,
+        word: &str,
+        part: fn(&mut Self) -> Parsed,
+        joined: fn(Vec<Condition>) -> Condition,
     ) -> Parsed {
-        let mut branches = Vec::new();
-        while self.take(&Token::Comma).is_some() {
-            branches.push(self.sum()?);
+        let first = part(self)?;
+        if !self.is_word(word) {
+            return Ok(first);
         }
-        let end = self.close(open)?;
-        // Where equal numbers count, the opposite condition is asked for.
-        let (larger, smaller) = match comparison.is_larger != comparison.with_equal {
+        let start = first.span.start;
+        let mut parts = vec![condition_of(first)?];
+        let mut end = start;
+        while self.is_word(word) {
+            self.next += 1;
+            let next = part(self)?;
+            end = next.span.end;
+            parts.push(condition_of(next)?);
+        }
+        Ok(Expression {
+            kind: ExpressionKind::Condition(Box::new(joined(parts))),
+            span: start..end,
+        })
+    }
+
+    fn negation(&mut self) -> Parsed {
+        self.deeper()?;
+        let found = match self.peek() {
+            Some((Token::Name(name), place)) if name == "not" => {
+                self.next += 1;
+                let inner = self.negation()?;
+                let span = place.start..inner.span.end;
+                let condition = Condition::Not(Box::new(condition_of(inner)?));
+                let kind = ExpressionKind::Condition(Box::new(condition));
+                Ok(Expression { kind, span })
+            }
+            Some((Token::Open, place)) if self.opens_condition() => {
+                self.next += 1;
+                let inner = self.condition()?;
+                let end = self.close(place)?;
+                Ok(Expression {
+                    span: place.start..end,
+                    ..inner
+                })
+            }
+            _ => self.compared(),
+        };
+        self.depth -= 1;
+        found
+    }
+
+    /// Two numbers that are compared, or one.
+    fn compared(&mut self) -> Parsed {
+        let first = self.sum()?;
+        let Some(comparison) = self.comparison() else {
+            return Ok(first);
+        };
+        let second = self.sum()?;
+        let span = first.span.start..second.span.end;
+        if let Some((token @ Token::Comparison(_), place)) = self.peek() {
+            let message = format!("{} is not expected here", token.description());
+            return Err(SyntaxError::new(message, place.clone())
+                .help("two comparisons are joined by `and`: a < b and b < c"));
+        }
+        let (larger, smaller) = match comparison.is_larger {
             true => (first, second),
             false => (second, first),
         };
-        if comparison.with_equal {
-            branches.reverse();
-        }
-        let lead = joined(larger, vec![(Binary::Difference, smaller)]);
-        let arguments = std::iter::once(lead).chain(branches).collect();
-        let (function, place) = (CHOICE.to_owned(), place.clone());
+        let condition = Condition::Comparison {
+            larger,
+            smaller,
+            with_equal: comparison.with_equal,
+        };
         Ok(Expression {
-            span: place.start..end,
-            kind: ExpressionKind::Call {
-                function,
-                place,
-                arguments,
-            },
+            kind: ExpressionKind::Condition(Box::new(condition)),
+            span,
         })
+    }
+
+    fn is_word(&self, word: &str) -> bool {
+        matches!(self.peek(), Some((Token::Name(name), _)) if name == word)
+    }
+
+    /// Whether a bracket that comes next is one around a condition, not around a number: what
+    /// follows it is no operator.
+    fn opens_condition(&self) -> bool {
+        let mut open = 0_usize;
+        let rest = self.tokens[self.next..].iter();
+        let mut behind = rest.skip_while(|(token, _)| {
+            match token {
+                Token::Open => open += 1,
+                Token::Close => open -= 1,
+                _ => {}
+            }
+            open > 0
+        });
+        // The bracket that closes it.
+        behind.next();
+        match behind.next() {
+            None | Some((Token::Comma | Token::Close, _)) => true,
+            Some((Token::Name(name), _)) => name == "and" || name == "or",
+            Some(_) => false,
+        }
     }
 
     /// Reads the parenthesis that closes the one at `open` and returns its end.
@@ -293,6 +392,13 @@ impl<'a> Parser<'a> {
             SyntaxError::new(format!("nested deeper than {MOST_NESTING} levels"), at)
                 .help("give parts of it names in [definitions]"),
         )
+    }
+}
+
+fn condition_of(expression: Expression) -> Result<Condition, SyntaxError> {
+    match expression.kind {
+        ExpressionKind::Condition(condition) => Ok(*condition),
+        _ => Err(no_comparison(&expression)),
     }
 }
 

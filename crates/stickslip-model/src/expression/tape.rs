@@ -1,7 +1,10 @@
 //! Expressions in order of evaluation.
 
+use std::sync::Arc;
+
 use stickslip::Scalar;
 
+use super::curve::Curve;
 use super::functions::Function;
 use super::graph::{Graph, Id, Node};
 
@@ -28,6 +31,7 @@ pub struct Tape {
     steps: Vec<Step>,
     registers: usize,
     outputs: Vec<Output>,
+    curves: Vec<Arc<Curve>>,
     /// Whether all numbers are affine functions of states and time.
     is_affine: bool,
 }
@@ -58,6 +62,8 @@ enum Operation {
     Constant,
     /// Sine into `to`, cosine into `b`.
     SineCosine,
+    /// The curve whose number is the constant.
+    Curve,
     Called(CalledOperation),
 }
 
@@ -69,9 +75,11 @@ enum CalledOperation {
     IntegerPower,
     RealPower,
     Call(Function),
+    Angle,
     Larger,
     Smaller,
     WherePositive,
+    WhereNotPositive,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,6 +172,7 @@ impl Tape {
                 Operation::Negate => r[to] = -r[a],
                 Operation::Constant => r[to] = T::constant(constant),
                 Operation::SineCosine => (r[to], r[b]) = sine_cosine(r[a]),
+                Operation::Curve => r[to] = on_curve(self.curves.get(constant as usize), r[a]),
                 Operation::Called(other) => r[to] = other.of(r[a], r[b], constant),
             }
         }
@@ -186,12 +195,20 @@ impl CalledOperation {
             CalledOperation::IntegerPower => a.powi(constant as i32),
             CalledOperation::RealPower => a.powf(constant),
             CalledOperation::Call(function) => function.of(a),
+            CalledOperation::Angle => a.atan2(b),
             CalledOperation::Larger => a.max(b),
             CalledOperation::Smaller => a.min(b),
             CalledOperation::WherePositive if a.exceeds(T::zero()) => b,
             CalledOperation::WherePositive => T::zero(),
+            CalledOperation::WhereNotPositive if a.exceeds(T::zero()) => T::zero(),
+            CalledOperation::WhereNotPositive => b,
         }
     }
+}
+
+#[inline(never)]
+fn on_curve<T: Scalar>(curve: Option<&Arc<Curve>>, a: T) -> T {
+    curve.map_or(T::constant(f64::NAN), |curve| curve.of(a))
 }
 
 #[inline(never)]
@@ -247,6 +264,7 @@ impl<'a> Layout<'a> {
         });
         Ok(Tape {
             outputs: outputs.collect(),
+            curves: self.graph.curves().to_vec(),
             is_affine: self.graph.are_affine(roots),
             registers: self.given,
             steps: self.steps,
@@ -297,10 +315,16 @@ impl<'a> Layout<'a> {
                 f64::from_bits(bits),
             ),
             Node::Call(function, a) => return self.call(i, function, a),
+            Node::Curve(number, a) => (Op::Curve, a, None, f64::from(number)),
+            Node::Angle(a, b) => (Op::Called(CalledOperation::Angle), a, Some(b), 0.0),
             Node::Larger(a, b) => (Op::Called(CalledOperation::Larger), a, Some(b), 0.0),
             Node::Smaller(a, b) => (Op::Called(CalledOperation::Smaller), a, Some(b), 0.0),
             Node::WherePositive(a, b) => {
                 (Op::Called(CalledOperation::WherePositive), a, Some(b), 0.0)
+            }
+            Node::WhereNotPositive(a, b) => {
+                let operation = Op::Called(CalledOperation::WhereNotPositive);
+                (operation, a, Some(b), 0.0)
             }
         };
         let from = self.operand(a)?;

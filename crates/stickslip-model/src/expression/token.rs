@@ -48,7 +48,8 @@ pub(super) fn no_condition(comparison: Comparison, place: Range<usize>) -> Synta
     let message = format!("`{}` does not belong into an expression", comparison.text());
     SyntaxError::new(message, place).help(
         "what differs from side to side of a contact is `by_side(contact, below, above)`; bounds \
-         are `min` and `max`; a choice at a jump is `if(a < b, then, else)`",
+         are `min` and `max`; comparisons belong to jumps: `if(a < b, then, else)` in what one \
+         sets, and its `if = \"a < b\"`",
     )
 }
 
@@ -140,7 +141,11 @@ pub(super) fn tokens(text: &str) -> Result<Vec<(Token, Range<usize>)>, SyntaxErr
                         "the magnitude of a slip speed is the contact's sign times the speed; an \
                         absolute value is `abs(…)`",
                     ),
-                    '=' | '?' | '!' | '&' => Some(
+                    '&' | '!' => Some(
+                        "comparisons in the condition of a jump are joined by `and`, `or` and \
+                         `not`",
+                    ),
+                    '=' | '?' => Some(
                         "what differs from side to side of a contact is `by_side(contact, below, \
                             above)`; bounds are `min` and `max`",
                     ),

@@ -25,6 +25,8 @@ pub enum ExpressionKind {
     /// A first operand, and operators of one precedence with the operands behind them, which group
     /// to the left. They are a list, so that the depth of a tree does not grow with its terms.
     Chain(Box<Expression>, Vec<(Binary, Expression)>),
+    /// A condition, which can stand only where a choice or a jump is made by it.
+    Condition(Box<Condition>),
     /// A function call.
     Call {
         /// Name of the function.
@@ -34,6 +36,41 @@ pub enum ExpressionKind {
         /// The arguments.
         arguments: Vec<Expression>,
     },
+}
+
+/// A condition on numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// Whether one number is larger than another.
+    Comparison {
+        /// The number that is asked to be larger.
+        larger: Expression,
+        /// The other number.
+        smaller: Expression,
+        /// Whether equal numbers count.
+        with_equal: bool,
+    },
+    /// Whether all of these hold.
+    All(Vec<Condition>),
+    /// Whether one of these holds.
+    Any(Vec<Condition>),
+    /// Whether this does not hold.
+    Not(Box<Condition>),
+}
+
+impl Condition {
+    /// The numbers that are compared.
+    pub fn numbers(&self) -> Vec<&Expression> {
+        match self {
+            Condition::Comparison {
+                larger, smaller, ..
+            } => vec![larger, smaller],
+            Condition::All(parts) | Condition::Any(parts) => {
+                parts.iter().flat_map(Condition::numbers).collect()
+            }
+            Condition::Not(part) => part.numbers(),
+        }
+    }
 }
 
 /// The operators between two expressions.

@@ -5,12 +5,14 @@ use std::sync::Arc;
 use stickslip::error::readable;
 
 use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
-use super::names::Names;
+use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::{Formula, InputShape, Rate, StopEvent, SystemFile};
-use crate::expression::{Binary, Graph, Id, NotANumber, Tape, TooLarge};
+use crate::expression::{
+    Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
+};
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
+    Combination, Condition, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
 };
 
 /// The tapes of a system.
@@ -24,7 +26,8 @@ pub struct Built {
     pub frictions_add: bool,
     /// The boundary functions of all contacts.
     pub boundaries: Tape,
-    /// The normal force of the only contact, if contact can be lost.
+    /// The normal force of the only contact, if contact can be lost. With several contacts, the
+    /// friction of each has it in it.
     pub normal_force: Option<Tape>,
     /// The functions of the sections.
     pub sections: Vec<Tape>,
@@ -104,7 +107,39 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
             )));
         }
     }
+    for contact in &file.contacts {
+        let mut laws = [&contact.friction, &contact.holding].into_iter().flatten();
+        if let Some(force) = &contact.normal_force
+            && let Some(law) = laws.find(|law| has_reaction(file, &law.tree))
+        {
+            let message = format!(
+                "the friction of contact `{}` follows a reaction, and the contact has a normal \
+                 force",
+                contact.name
+            );
+            return Err(Problem::new(message, force.whole())
+                .also(law.whole(), "this friction")
+                .help("a reaction is the normal force: leave `normal_force` out"));
+        }
+    }
     built(file, &values, NONE_FREE).map(drop)
+}
+
+/// Whether an expression, or a definition in it, has the reaction of a stop.
+fn has_reaction(file: &SystemFile, expression: &Expression) -> bool {
+    let of = |expression: &Expression| has_reaction(file, expression);
+    match &expression.kind {
+        ExpressionKind::Number(_) => false,
+        ExpressionKind::Name(name) => match file.names.get(name) {
+            Some(Meaning::Force(_)) => true,
+            Some(Meaning::Definition(number)) => of(&file.definitions[number].formula.tree),
+            _ => false,
+        },
+        ExpressionKind::Negative(inner) => of(inner),
+        ExpressionKind::Chain(first, rest) => of(first) || rest.iter().any(|(_, one)| of(one)),
+        ExpressionKind::Condition(condition) => condition.numbers().into_iter().any(of),
+        ExpressionKind::Call { arguments, .. } => arguments.iter().any(of),
+    }
 }
 
 /// The parameter values given in the file.
@@ -225,13 +260,12 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
         heights.extend(graph.constant(1.0));
     }
     let mut alone = |formula: &Formula, place| alone(file, (&mut graph, inputs), formula, place);
-    let force = file
-        .contacts
-        .iter()
-        .find_map(|contact| contact.normal_force.as_ref());
-    let normal_force = force
-        .map(|force| alone(force, "a normal force"))
-        .transpose()?;
+    let forces = file.contacts.iter();
+    let forces = forces.filter_map(|contact| contact.normal_force.as_ref());
+    let forces = forces.map(|force| alone(force, "a normal force"));
+    let mut forces = forces.collect::<Result<Vec<_>, _>>()?;
+    // Of several contacts, friction alone vanishes with it.
+    let normal_force = forces.pop().filter(|_| contacts == 1);
     let sections = file.sections.iter();
     let sections = sections.map(|section| alone(&section.function, SECTION));
     let sections = sections.collect::<Result<_, _>>()?;
@@ -300,6 +334,7 @@ fn switching(
             jumps.push(Jump {
                 when: tape(file, graph, &[when], inputs)?,
                 direction: entry.direction,
+                condition: None,
                 set: map,
                 most: None,
                 of_stop: entry.of_stop,
@@ -333,11 +368,23 @@ fn switching(
             return Err(Problem::new(message, entry.place.clone())
                 .help("set = { v = \"-r*v\" } changes `v`; stop = true ends the run there"));
         }
-        let all = set.iter().chain([&when]);
+        let condition = entry.condition.as_ref().map(|formula| {
+            let builder = Builder::new(file, inputs, graph, scope);
+            builder.choosing().condition(formula)
+        });
+        let condition = condition.transpose()?;
+        let all = set.iter().chain([&when]).chain(condition.iter().flatten());
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
             direction: entry.direction,
+            condition: match condition {
+                None => None,
+                Some(numbers) => Some(Condition {
+                    count: numbers.len(),
+                    numbers: tape(file, graph, &numbers, inputs)?,
+                }),
+            },
             set: Map::Formulas(tape(file, graph, &set, inputs)?),
             most: entry.most,
             of_stop: None,
@@ -405,16 +452,15 @@ fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
     file.states.iter().map(|state| state.is_discrete).collect()
 }
 
-/// The states that jumps set to isolated values: to expressions of constants and such states.
+/// The states that jumps set to isolated values: to expressions of constants and such states, of
+/// which a condition may choose one.
 fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete = constant_between_jumps(file);
     loop {
         let is_held = |state: usize| {
-            let depends = |&id: &Id| {
-                let known = |of: usize| discrete.get(of) == Some(&true);
-                graph.depends_on_time(id) || graph.depends_on_states(id, |of| !known(of))
-            };
-            discrete[state] && sets.iter().any(|set| depends(&set[state]))
+            let varies = |of: usize| discrete.get(of) != Some(&true);
+            let depends = |set: &Vec<Id>| !graph.is_isolated_from(set[state], varies);
+            discrete[state] && sets.iter().any(depends)
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {
             Some(state) => discrete[state] = false,

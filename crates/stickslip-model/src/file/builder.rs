@@ -9,7 +9,8 @@ use super::names::{FURTHER_FUNCTIONS, LATER_FUNCTIONS, Meaning, did_you_mean, is
 use super::problem::Problem;
 use super::{Formula, InputEntry, InputShape, SystemFile};
 use crate::expression::{
-    Binary, CHOICE, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id, NotANumber,
+    Binary, CHOICE, Condition, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id,
+    NotANumber,
 };
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
@@ -148,6 +149,8 @@ pub(super) struct Builder<'a> {
     approach: Option<Id>,
     /// Whether a choice may stand here.
     chooses: bool,
+    /// The numbers whose signs decide conditions so far.
+    leads: Vec<Id>,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
     /// Levels of nesting so far.
@@ -178,6 +181,7 @@ impl<'a> Builder<'a> {
             forces: None,
             approach: None,
             chooses: false,
+            leads: Vec::new(),
             sided: 0,
             depth: 0,
         }
@@ -186,6 +190,12 @@ impl<'a> Builder<'a> {
     /// A builder in whose expressions choices may stand, which are made once.
     pub(super) fn choosing(mut self) -> Self {
         self.chooses = true;
+        self
+    }
+
+    /// A builder in whose expressions the reactions of the stops are these.
+    pub(super) fn with_forces(mut self, forces: Vec<Id>) -> Self {
+        self.forces = Some(forces);
         self
     }
 
@@ -303,6 +313,9 @@ impl<'a> Builder<'a> {
         let value = match &expression.kind {
             ExpressionKind::Number(value) => self.graph.constant(*value),
             ExpressionKind::Name(name) => return self.name(name, place),
+            ExpressionKind::Condition(_) => {
+                return Err(Problem::new("a condition is no number", place));
+            }
             ExpressionKind::Negative(inner) => {
                 let inner = self.expression(formula, inner)?;
                 self.graph.negative(inner)
@@ -405,6 +418,11 @@ impl<'a> Builder<'a> {
                 place,
             )
             .help("a discrete state that the jump sets can stand here")),
+            (Meaning::Curve(_), _) => Err(Problem::new(
+                format!("`{name}` is a curve and has no value by itself"),
+                place,
+            )
+            .help(format!("write {name}(…), with its argument"))),
             (Meaning::Definition(number), _) => self.definition(number),
             (Meaning::Contact(number), _) => {
                 let above = self.side(number, place.clone())?;
@@ -542,6 +560,9 @@ impl<'a> Builder<'a> {
         arguments: &[Expression],
         place: Range<usize>,
     ) -> BuildResult {
+        if let Some(Meaning::Curve(number)) = self.file.names.get(function) {
+            return self.curve(formula, number, arguments, place);
+        }
         match function {
             "friction" => return self.friction(formula, arguments, place),
             "by_side" => return self.by_side(formula, arguments, place),
@@ -561,7 +582,7 @@ impl<'a> Builder<'a> {
                 }
                 return Ok(best);
             }
-            "asin" | "acos" | "log10" | "hypot" | "clamp" => {
+            "asin" | "acos" | "atan2" | "erf" | "log10" | "hypot" | "clamp" => {
                 return self.composed(formula, function, arguments, place);
             }
             CHOICE => return self.choice(formula, arguments, (name, place)),
@@ -584,7 +605,26 @@ impl<'a> Builder<'a> {
         value.map_err(|error| self.not_finite(error, formula, place, &operands))
     }
 
-    /// A function that others make up.
+    /// A curve at an argument.
+    fn curve(
+        &mut self,
+        formula: &Formula,
+        number: usize,
+        arguments: &[Expression],
+        place: Range<usize>,
+    ) -> BuildResult {
+        let entry = &self.file.curves[number];
+        let [argument] = arguments else {
+            let wanted = "one argument";
+            return Err(wrong_count(&entry.name, wanted, arguments.len(), place));
+        };
+        let id = self.expression(formula, argument)?;
+        let value = self.graph.curve(&entry.curve, id);
+        let operands = [(of_operand(argument), id)];
+        value.map_err(|error| self.not_finite(error, formula, place, &operands))
+    }
+
+    /// A function that others make up, or that has further ones.
     fn composed(
         &mut self,
         formula: &Formula,
@@ -594,6 +634,7 @@ impl<'a> Builder<'a> {
     ) -> BuildResult {
         let (wanted, count) = match function {
             "hypot" => ("two arguments", 2),
+            "atan2" => ("two arguments, y and x", 2),
             "clamp" => ("a number, its lowest and its highest value", 3),
             _ => ("one argument", 1),
         };
@@ -619,28 +660,76 @@ impl<'a> Builder<'a> {
     ) -> BuildResult {
         if !self.chooses {
             return Err(
-                Problem::new("a choice can stand only in what a jump sets", name).help(
+                Problem::new("a choice can stand only at a jump", name).help(
                     "in fields and laws what switches is a contact, by_side(contact, below, \
                      above), a jump that sets a discrete state, or a switch",
                 ),
             );
         }
-        let [lead, yes, no] = arguments else {
+        let [condition, yes, no] = arguments else {
             let wanted = "a condition, the expression where it holds and the one elsewhere";
             return Err(wrong_count(CHOICE, wanted, arguments.len(), place));
         };
-        let lead = self.expression(formula, lead)?;
-        let (yes, no) = (
+        let ExpressionKind::Condition(condition) = &condition.kind else {
+            let place = formula.at(&condition.span);
+            return Err(Problem::new("this is a number, not a condition", place)
+                .help("a condition compares two numbers, as in v < 0.1"));
+        };
+        let branches = [
             self.expression(formula, yes)?,
             self.expression(formula, no)?,
-        );
-        let graph = &mut *self.graph;
-        let made = graph.where_positive(lead, yes).and_then(|yes| {
-            let other = graph.where_positive(lead, no)?;
-            let no = graph.binary(Binary::Difference, no, other)?;
-            graph.binary(Binary::Sum, yes, no)
-        });
-        made.map_err(|error| no_number(error, place))
+        ];
+        self.chosen((formula, condition), branches, &place)
+    }
+
+    /// 1 where a condition holds, 0 elsewhere. The numbers by whose signs it is decided follow.
+    pub(super) fn condition(&mut self, formula: &Formula) -> Result<Vec<Id>, Problem> {
+        let place = formula.whole();
+        let ExpressionKind::Condition(condition) = &formula.tree.kind else {
+            return Err(Problem::new("this is no condition", place));
+        };
+        let branches = [1.0, 0.0].map(|value| self.graph.constant(value));
+        let [yes, no] = branches.map(|made| made.map_err(|error| no_number(error, place.clone())));
+        let holds = self.chosen((formula, condition), [yes?, no?], &place)?;
+        Ok(std::iter::once(holds).chain(self.leads.drain(..)).collect())
+    }
+
+    /// The first of two numbers where a condition holds, the second elsewhere.
+    fn chosen(
+        &mut self,
+        (formula, condition): (&Formula, &Condition),
+        [yes, no]: [Id; 2],
+        place: &Range<usize>,
+    ) -> BuildResult {
+        match condition {
+            Condition::Comparison {
+                larger,
+                smaller,
+                with_equal,
+            } => {
+                // Where equal numbers count, the opposite is asked for.
+                let ([more, less], [there, elsewhere]) = match with_equal {
+                    false => ([larger, smaller], [yes, no]),
+                    true => ([smaller, larger], [no, yes]),
+                };
+                let (more, less) = (
+                    self.expression(formula, more)?,
+                    self.expression(formula, less)?,
+                );
+                let wrong = |error| no_number(error, place.clone());
+                let lead = self.graph.binary(Binary::Difference, more, less);
+                let lead = lead.map_err(wrong)?;
+                self.leads.push(lead);
+                self.graph.chosen(lead, there, elsewhere).map_err(wrong)
+            }
+            Condition::Not(part) => self.chosen((formula, part), [no, yes], place),
+            Condition::All(parts) => parts.iter().rev().try_fold(yes, |yes, part| {
+                self.chosen((formula, part), [yes, no], place)
+            }),
+            Condition::Any(parts) => parts.iter().rev().try_fold(no, |no, part| {
+                self.chosen((formula, part), [yes, no], place)
+            }),
+        }
     }
 
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -779,11 +868,13 @@ impl<'a> Builder<'a> {
             }
             .help(format!("a product needs its sign: {function}*(…)"));
         }
+        let curves = self.file.curves.iter();
         let all = FUNCTIONS
             .iter()
             .map(|(name, _)| *name)
             .chain(FURTHER_FUNCTIONS)
-            .chain(LATER_FUNCTIONS);
+            .chain(LATER_FUNCTIONS)
+            .chain(curves.map(|curve| curve.name.as_str()));
         problem.help(match function {
             "sgn" | "sign" | "signum" => {
                 "friction is written by side: the name of a contact is the sign of its side; the \
@@ -805,7 +896,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// A function of numbers of a graph that others make up.
+/// A function of numbers of a graph that others make up, or that the graph has.
 fn composed(graph: &mut Graph, function: &str, of: &[Id]) -> BuildNumber {
     let one = graph.constant(1.0)?;
     match (function, of) {
@@ -825,6 +916,8 @@ fn composed(graph: &mut Graph, function: &str, of: &[Id]) -> BuildNumber {
             let right = graph.constant(std::f64::consts::FRAC_PI_2)?;
             graph.binary(Binary::Difference, right, angle)
         }
+        ("atan2", &[y, x]) => graph.angle(y, x),
+        ("erf", &[x]) => graph.call(Function::Erf, x),
         ("log10", &[x]) => {
             let (logarithm, ten) = (graph.call(Function::Ln, x)?, graph.constant(10.0)?);
             let unit = graph.call(Function::Ln, ten)?;

@@ -79,6 +79,26 @@ pub trait Interface {
                     None => error.to_string(),
                 }
             }
+            Error::NonFinite { t, x, .. } | Error::StepCollapse { t, x, .. } => {
+                match system.and_then(|system| {
+                    let here = system.undefined_in_field(*t, &x.0);
+                    here.or_else(|| system.undefined_ahead(*t, &x.0))
+                }) {
+                    Some(part) => format!(
+                        "the orbit cannot go on {}: just there, {part}; end the run before, or \
+                         change the formula or a parameter in it",
+                        at(t, x)
+                    ),
+                    None => match system.and_then(|one| one.friction_without_force(*t, &x.0)) {
+                        Some(why) => format!(
+                            "the orbit cannot go on {}: {why}; with several contacts, write \
+                             friction in proportion to its normal force",
+                            at(t, x)
+                        ),
+                        None => error.to_string(),
+                    },
+                }
+            }
             Error::Undefined { what, number, t, x } => {
                 let part = system.and_then(|system| system.undefined_in_event(*number, *t, &x.0));
                 let part = part.map_or_else(String::new, |part| format!(": {part}"));

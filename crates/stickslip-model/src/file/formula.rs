@@ -5,7 +5,7 @@ use std::ops::Range;
 use stickslip::error::readable;
 
 use super::problem::{Problem, Source};
-use crate::expression::{Expression, ExpressionKind, parse};
+use crate::expression::{Expression, ExpressionKind, SyntaxError, parse, parse_condition};
 
 /// An expression of the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +47,24 @@ impl Formula {
 
     /// An expression given as a text, which is the value at `whole`.
     pub(super) fn parsed(
+        text: &str,
+        whole: Range<usize>,
+        source: &Source,
+    ) -> Result<Self, Problem> {
+        Formula::parsed_by(parse, text, whole, source)
+    }
+
+    /// A condition given as a text.
+    pub(super) fn condition(
+        text: &str,
+        whole: Range<usize>,
+        source: &Source,
+    ) -> Result<Self, Problem> {
+        Formula::parsed_by(parse_condition, text, whole, source)
+    }
+
+    fn parsed_by(
+        parse: fn(&str) -> Result<Expression, SyntaxError>,
         text: &str,
         whole: Range<usize>,
         source: &Source,

@@ -35,7 +35,8 @@
 //!
 //! `[jumps.NAME]` describes a jump of the state. `when` is the function whose zero triggers it,
 //! `direction` the sign change that counts (`rising`, `falling`, `both`), and `set` gives the new
-//! states. With `stop = true`, or `count = n`, the run ends there, or with the n-th jump.
+//! states. With `stop = true`, or `count = n`, the run ends there, or with the n-th jump. With
+//! `if`, a condition, nothing happens where it does not hold.
 //! `[discrete]` lists states that change only in jumps, each with its start.
 //!
 //! `[stops.NAME]` describes a stop: `gap` is positive in flight, `acts` says what a unit of its
@@ -47,15 +48,20 @@
 //! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse
 //! has a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`.
 //! `[switches.NAME]` is the sign of a `function` of time.
+//!
+//! `[curves.NAME]` describes a function of one argument by its `points`, or a `file`. It is linear
+//! or monotone `between` them. `beyond` them its ends hold, go on (`extend`) or are an `error`.
 
 mod build;
 mod builder;
+mod curves;
 mod error_text;
 mod formula;
 mod names;
 mod notation;
 mod observe;
 mod problem;
+mod reactions;
 mod read;
 mod stops;
 mod switching;
@@ -70,6 +76,7 @@ pub use formula::Formula;
 pub use names::{Meaning, Names, did_you_mean};
 pub use observe::{FreeStarts, Observed};
 pub use problem::{Problem, Source};
+pub use reactions::Quantities;
 pub use system::{PeriodError, SettingError, System};
 
 use std::ops::Range;
@@ -78,6 +85,7 @@ use std::sync::Arc;
 
 use stickslip::Direction;
 
+use crate::expression::Curve;
 use crate::kernel::Piece;
 
 /// The models that come with the crate: names and files, in the order of listing.
@@ -118,6 +126,8 @@ pub struct SystemFile {
     pub stops: Vec<StopEntry>,
     /// Inputs that depend on time alone.
     pub inputs: Vec<InputEntry>,
+    /// Functions of one argument through points.
+    pub curves: Vec<CurveEntry>,
     /// Rates of the states, in their order.
     pub field: Vec<Rate>,
     /// Poincaré sections; a file gives one at most.
@@ -208,6 +218,9 @@ pub struct JumpEntry {
     pub when: Formula,
     /// The sign change that counts.
     pub direction: Direction,
+    /// The condition, judged at the zero on the state before the jump; nothing happens where it
+    /// does not hold.
+    pub condition: Option<Formula>,
     /// The new states; states without a formula stay.
     pub set: Vec<Option<Formula>>,
     /// The run ends with this jump of the count.
@@ -244,6 +257,19 @@ pub enum StopEvent {
     LiftOff,
     /// Impacts have accumulated.
     Landing,
+}
+
+/// A function of one argument through points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CurveEntry {
+    /// Name.
+    pub name: String,
+    /// The function.
+    pub curve: Arc<Curve>,
+    /// First argument and last one of the points.
+    pub range: (f64, f64),
+    /// Number of points.
+    pub points: usize,
 }
 
 /// An input that depends on time alone.

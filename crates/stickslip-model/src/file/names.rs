@@ -23,6 +23,8 @@ pub enum Meaning {
     Contact(usize),
     /// An input, or a switch of time.
     Input(usize),
+    /// A curve, which is a function.
+    Curve(usize),
     /// A jump.
     Jump(usize),
     /// A stop.
@@ -41,6 +43,7 @@ impl Meaning {
             Meaning::Definition(_) => "a definition",
             Meaning::Contact(_) => "a contact",
             Meaning::Input(_) => "an input",
+            Meaning::Curve(_) => "a curve",
             Meaning::Jump(_) => "a jump",
             Meaning::Stop(_) => "a stop",
             Meaning::Force(_) => "the force of a stop",
@@ -142,7 +145,9 @@ impl Names {
 }
 
 /// Functions whose names may be those of states and others, too: files had such names before.
-pub(super) const LATER_FUNCTIONS: [&str; 6] = ["asin", "acos", "log10", "hypot", "clamp", "if"];
+pub(super) const LATER_FUNCTIONS: [&str; 8] = [
+    "asin", "acos", "atan2", "erf", "log10", "hypot", "clamp", "if",
+];
 
 pub(super) fn is_function(name: &str) -> bool {
     let plain = FUNCTIONS.iter().map(|(name, _)| *name);

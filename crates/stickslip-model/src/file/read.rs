@@ -14,7 +14,7 @@ use crate::expression::normal;
 use crate::kernel::{MOST_CONTACTS, MOST_STATES};
 
 /// The tables and entries of a file.
-const ENTRIES: [&str; 16] = [
+const ENTRIES: [&str; 17] = [
     "name",
     "description",
     "time",
@@ -27,6 +27,7 @@ const ENTRIES: [&str; 16] = [
     "stops",
     "inputs",
     "switches",
+    "curves",
     "field",
     "start",
     "section",
@@ -64,11 +65,13 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     let mut jumps = switching::jumps(&file, &mut names, &states)?;
     jumps.extend(stops::events(&stops, states.len()));
     let inputs = switching::inputs(source, &file, &mut names)?;
+    let curves = super::curves::read(source, &file, &mut names)?;
     ranges(&file, &mut states, &names)?;
     Ok(SystemFile {
         jumps,
         stops,
         inputs,
+        curves,
         name: name.text()?.to_owned(),
         description: text(&file, "description")?,
         time: time(&file)?,
@@ -277,7 +280,7 @@ fn definitions(file: &Table<'_>, names: &mut Names) -> Result<Vec<Named>, Proble
 
 fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem> {
     // A system without contacts is smooth.
-    let contacts = file.each("contacts", |number, name, place, entry| {
+    file.each("contacts", |number, name, place, entry| {
         if number == MOST_CONTACTS {
             let message = format!("this is contact number {}", number + 1);
             return Err(Problem::new(message, place).help(format!(
@@ -310,19 +313,7 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
             )));
         }
         Ok(contact)
-    })?;
-    let several = contacts.len() > 1;
-    if let Some(force) = contacts
-        .iter()
-        .find_map(|contact| contact.normal_force.as_ref().filter(|_| several))
-    {
-        return Err(Problem::new(
-            "a normal force that can vanish is possible with one contact only",
-            force.whole(),
-        )
-        .help("with several contacts, let friction vanish with the normal force by max(0, …)"));
-    }
-    Ok(contacts)
+    })
 }
 
 fn field(

@@ -78,6 +78,7 @@ pub(super) fn events(stops: &[StopEntry], states: usize) -> impl Iterator<Item =
             name: format!("{}.{name}", stop.name),
             when: stop.gap.clone(),
             direction: Direction::Falling,
+            condition: None,
             set: vec![None; states],
             most: None,
             of_stop: Some((number, kind)),

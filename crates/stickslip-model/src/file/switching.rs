@@ -49,7 +49,7 @@ fn jump(
     name: String,
     (states, names): (&[StateEntry], &Names),
 ) -> Result<JumpEntry, Problem> {
-    table.only(&["when", "direction", "set", "stop", "count"])?;
+    table.only(&["when", "direction", "if", "set", "stop", "count"])?;
     let when = "an expression whose zero it is, as in when = \"x - gap\"";
     let most = match (table.get("stop"), table.get("count")) {
         (Some(_), Some(count)) => {
@@ -78,6 +78,7 @@ fn jump(
     Ok(JumpEntry {
         when: table.need("when", when)?.formula()?,
         direction: super::read::direction(table.get("direction"))?,
+        condition: table.get("if").map(Entry::condition).transpose()?,
         set,
         most,
         of_stop: None,
@@ -161,7 +162,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values"))
     {
         (Some(file), None, None) => {
-            let (times, values) = from_file(source, file)?;
+            let (times, values) = from_file(source, file, ["time", "value"])?;
             (times, values, file.place())
         }
         (None, Some(times), Some(values)) => (times.list()?, values.list()?, times.place()),
@@ -227,8 +228,12 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     Ok(InputShape::Table(pieces.collect()))
 }
 
-/// Times and values from the first two columns of a file, relative to the system's file.
-fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), Problem> {
+/// The first two columns of a file, relative to the system's file. They have these names.
+pub(super) fn from_file(
+    source: &Source,
+    entry: Entry<'_>,
+    columns: [&str; 2],
+) -> Result<(Vec<f64>, Vec<f64>), Problem> {
     let name = entry.text()?;
     let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
     let path = folder.join(name);
@@ -247,7 +252,7 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
             let found = table.dialect.number(cell);
             let found = found.filter(|value| value.is_finite());
             found.ok_or_else(|| match cell {
-                "" => format!("has no {}", ["time", "value"][column]),
+                "" => format!("has no {}", columns[column]),
                 _ => format!("has `{cell}`, which is no finite number"),
             })
         };
@@ -257,10 +262,11 @@ fn from_file(source: &Source, entry: Entry<'_>) -> Result<(Vec<f64>, Vec<f64>), 
                 values.push(value);
             }
             (Err(what), _) | (_, Err(what)) => {
-                return Err(wrong(format!("{input}: line {line} {what}")).help(
-                    "a row is a time and a value, two numbers with a comma, a semicolon or spaces \
-                     between them",
-                ));
+                let [first, second] = columns;
+                return Err(wrong(format!("{input}: line {line} {what}")).help(format!(
+                    "a row has two numbers, {first} and {second}, with a comma, a semicolon or \
+                     spaces between them"
+                )));
             }
         }
     }

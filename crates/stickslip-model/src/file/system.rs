@@ -315,6 +315,8 @@ impl System {
                 let mut behind = extended.clone();
                 jump.when.evaluate(t, &extended, &mut behind[..1]);
                 values.push(behind[0]);
+                let happens = switching.happens(number, t, &extended);
+                values.push(f64::from(u8::from(happens)));
                 behind.clone_from(&extended);
                 switching.after(number, t, &mut behind);
                 // What inputs hold depends on the time since they began.

@@ -217,6 +217,35 @@ impl<'a> Entry<'a> {
         entries.map(Entry::finite).collect()
     }
 
+    /// A condition, as a text.
+    pub(super) fn condition(self) -> Result<Formula, Problem> {
+        match self.value.get_ref() {
+            DeValue::String(text) => Formula::condition(text, self.place(), self.source),
+            _ => Err(self.wrong("a condition in quotes, as in \"v < 0.1\",")),
+        }
+    }
+
+    /// A list of pairs of finite numbers.
+    pub(super) fn pairs(self) -> Result<Vec<[f64; 2]>, Problem> {
+        let wanted = "a list of points, as in [[0, 0.4], [1, 0.3]]";
+        let DeValue::Array(array) = self.value.get_ref() else {
+            return Err(self.wrong(wanted));
+        };
+        let entries = array.iter().map(|value| Entry { value, ..self });
+        let pair = |entry: Entry<'a>| {
+            let DeValue::Array(pair) = entry.value.get_ref() else {
+                return Err(entry.wrong("a point of two numbers"));
+            };
+            let [x, y] = &**pair else {
+                let message = format!("a point has two numbers, this has {}", pair.len());
+                return Err(Problem::new(message, entry.place()));
+            };
+            let finite = |value| Entry { value, ..self }.finite();
+            Ok([finite(x)?, finite(y)?])
+        };
+        entries.map(pair).collect()
+    }
+
     /// An expression: a text or a number.
     pub(super) fn formula(self) -> Result<Formula, Problem> {
         match self.value.get_ref() {

@@ -1,12 +1,67 @@
 //! Which part of a formula is not a number at a state.
 
+use stickslip::Scalar;
+
 use super::builder::{Builder, Inputs, Operand, Scope, of_operand};
 use super::formula::{not_finite, where_operands};
 use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::{Combination, sides_to_check};
 
+/// How far ahead of a state an undefined part is looked for, relative to the size of the state.
+/// Chosen: a run stops at a billionth of the range of a curve behind its end.
+const AHEAD: f64 = 1e-6;
+
+/// Largest normal force that vanishes beside a friction, as a part of that. Chosen: friction that
+/// is proportional to the normal force is less than a millionth of it nowhere.
+const NO_FORCE: f64 = 1e-6;
+
 impl System {
+    /// The contact, one of several, whose normal force vanishes at a state without its friction: a
+    /// stick that it ends there has no continuation.
+    pub(super) fn friction_without_force(&self, t: f64, x: &[f64]) -> Option<String> {
+        if self.contacts() < 2 || x.len() != self.states() {
+            return None;
+        }
+        let at = Evaluation::new(self, 0, t, x);
+        let value = |formula: &Formula| at.value(formula, &formula.tree);
+        let found = self.file.contacts.iter().find(|contact| {
+            let forces = contact.normal_force.as_ref().zip(contact.friction.as_ref());
+            forces.is_some_and(|(force, law)| {
+                let (force, law) = (value(force), value(law));
+                force
+                    .zip(law)
+                    .is_some_and(|(force, law)| force.abs() <= NO_FORCE * law.abs())
+            })
+        });
+        found.map(|contact| {
+            format!(
+                "the normal force of contact `{}` vanishes there, and its friction does not",
+                contact.name
+            )
+        })
+    }
+
+    /// As [`System::undefined_in_field`], a little ahead of a state along the motion.
+    pub(super) fn undefined_ahead(&self, t: f64, x: &[f64]) -> Option<String> {
+        if x.len() != self.states() {
+            return None;
+        }
+        let contacts = 0..self.contacts();
+        let above = contacts.fold(0, |above, contact| {
+            above | usize::from(self.boundary(contact, t, x) > 0.0) << contact
+        });
+        let rates = self.field(Combination { above, held: 0 }, t, x);
+        let largest = |values: &[f64]| values.iter().fold(0.0, |far, x| Scalar::max(far, x.abs()));
+        let time = AHEAD * (1.0 + largest(x)) / largest(&rates);
+        let ahead: Vec<f64> = x
+            .iter()
+            .zip(&rates)
+            .map(|(x, rate)| x + time * rate)
+            .collect();
+        self.undefined_in_field(t + time, &ahead)
+    }
+
     /// The part of a boundary or of the field that is not a finite number at a time and state,
     /// although its operands are, in words. The sides are those of the state; then others are
     /// tried. `None` if all parts are finite.
@@ -69,7 +124,13 @@ impl System {
             .iter()
             .flatten()
             .map(|formula| (key("set"), formula));
-        evaluation.first(std::iter::once((key("when"), &jump.when)).chain(set))
+        let conditions = jump.condition.iter().flat_map(|formula| {
+            let numbers = operands(&formula.tree).into_iter();
+            numbers.map(|number| (key("if"), formula, number))
+        });
+        let when = evaluation.first(std::iter::once((key("when"), &jump.when)));
+        when.or_else(|| evaluation.first_part(conditions))
+            .or_else(|| evaluation.first(set))
     }
 }
 
@@ -106,8 +167,8 @@ impl<'a> Evaluation<'a> {
             above: self.above,
             held: 0,
         });
-        let mut builder = Builder::new(file, inputs, &mut graph, scope);
-        let root = builder.expression(formula, expression).ok()?;
+        let builder = Builder::new(file, inputs, &mut graph, scope);
+        let root = builder.choosing().expression(formula, expression).ok()?;
         let tape = Tape::new(&graph, &[root], self.x.len()).ok()?;
         let mut value = [0.0];
         tape.evaluate(self.t, &self.x, &mut value);
@@ -117,7 +178,11 @@ impl<'a> Evaluation<'a> {
     /// The undefined part, with defined operands, of the first of some formulas that is undefined.
     /// The formulas have their keys.
     fn first(&self, formulas: impl Iterator<Item = (String, &'a Formula)>) -> Option<String> {
-        let wholes = formulas.map(|(key, formula)| (key, formula, &formula.tree));
+        self.first_part(formulas.map(|(key, formula)| (key, formula, &formula.tree)))
+    }
+
+    /// As [`Evaluation::first`], of some parts of formulas.
+    fn first_part(&self, wholes: impl Iterator<Item = Part<'a>>) -> Option<String> {
         let (mut part, mut value) = self.undefined(wholes)?;
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
             (part, value) = inner;
@@ -214,7 +279,15 @@ fn operands(whole: &Expression) -> Vec<&Expression> {
             let rest = rest.iter().map(|(_, operand)| operand);
             std::iter::once(&**first).chain(rest).collect()
         }
+        ExpressionKind::Condition(condition) => condition.numbers(),
         ExpressionKind::Call { function, .. } if function == "friction" => Vec::new(),
-        ExpressionKind::Call { arguments, .. } => arguments.iter().collect(),
+        ExpressionKind::Call { arguments, .. } => {
+            let arguments = arguments.iter();
+            let numbers = arguments.flat_map(|argument| match &argument.kind {
+                ExpressionKind::Condition(_) => operands(argument),
+                _ => vec![argument],
+            });
+            numbers.collect()
+        }
     }
 }

@@ -52,6 +52,14 @@ impl<T: Scalar> Touching<T> {
     }
 }
 
+/// An impact: the stops that take part, and their impulses if some follow the law.
+struct Strike<T> {
+    touching: Vec<Touching<T>>,
+    impulses: Option<Vec<Option<T>>>,
+    /// The numbers of [`Impacts::parts`].
+    parts: Vec<T>,
+}
+
 /// Numbers of a stop before those of its couplings.
 const OF_STOP: usize = 5;
 
@@ -89,7 +97,60 @@ impl Impacts {
         self.changed(Some(stop), true, t, x);
     }
 
+    /// The impulses of all stops at an impact, or behind a jump, and whether a stop lands.
+    pub fn impulses(&self, (impact, lands): (Option<usize>, bool), t: f64, x: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.closed.len()];
+        if let Some(Strike {
+            touching,
+            impulses: Some(impulses),
+            ..
+        }) = self.strike((impact, lands), t, x)
+        {
+            for (one, impulse) in touching.iter().zip(impulses) {
+                all[one.stop] = impulse.unwrap_or(0.0);
+            }
+        }
+        all
+    }
+
     fn changed<T: Scalar>(&self, impact: Option<usize>, lands: bool, t: T, x: &mut [T]) {
+        let Some(strike) = self.strike((impact, lands), t, x) else {
+            return;
+        };
+        let Some(impulses) = strike.impulses else {
+            x.fill(T::constant(f64::NAN));
+            return;
+        };
+        let (parts, touching) = (strike.parts, strike.touching);
+        let count = self.closed.len();
+        let width = OF_STOP + count;
+        for (one, impulse) in touching.iter().zip(&impulses) {
+            let of_stop = &parts[count * width + 2 * one.stop * self.states..];
+            let (acts, ways) = of_stop[..2 * self.states].split_at(self.states);
+            for (x, (acts, way)) in x.iter_mut().zip(acts.iter().zip(ways)) {
+                // What location leaves of the gap would displace all later impacts.
+                *x = *x - *way * one.gap;
+                if let Some(impulse) = *impulse {
+                    *x = *x + *acts * impulse;
+                }
+            }
+        }
+        for (one, impulse) in touching.iter().zip(&impulses) {
+            let (after, size) = rate_after(one, &touching, &impulses);
+            let is_pressed = one.carries && impulse.is_some();
+            let closes = one.lands || is_pressed || after.value().abs() <= ROUNDING * size;
+            x[self.closed[one.stop]] = if closes { T::one() } else { T::zero() };
+        }
+    }
+
+    /// The stops that take part in an impact and the impulses that follow the law; `None` where
+    /// nothing changes.
+    fn strike<T: Scalar>(
+        &self,
+        (impact, lands): (Option<usize>, bool),
+        t: T,
+        x: &[T],
+    ) -> Option<Strike<T>> {
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -118,31 +179,15 @@ impl Impacts {
             })
             .collect();
         if impact.is_none() && touching.iter().all(|one| one.carries) {
-            return;
+            return None;
         }
         let is_defined = |one: &Touching<T>| (0.0..=1.0).contains(&one.restitution.value());
         let impulses = touching.iter().all(is_defined).then(|| impulses(&touching));
-        let Some(impulses) = impulses.flatten() else {
-            x.fill(T::constant(f64::NAN));
-            return;
-        };
-        for (one, impulse) in touching.iter().zip(&impulses) {
-            let of_stop = &parts[count * width + 2 * one.stop * self.states..];
-            let (acts, ways) = of_stop[..2 * self.states].split_at(self.states);
-            for (x, (acts, way)) in x.iter_mut().zip(acts.iter().zip(ways)) {
-                // What location leaves of the gap would displace all later impacts.
-                *x = *x - *way * one.gap;
-                if let Some(impulse) = *impulse {
-                    *x = *x + *acts * impulse;
-                }
-            }
-        }
-        for (one, impulse) in touching.iter().zip(&impulses) {
-            let (after, size) = rate_after(one, &touching, &impulses);
-            let is_pressed = one.carries && impulse.is_some();
-            let closes = one.lands || is_pressed || after.value().abs() <= ROUNDING * size;
-            x[self.closed[one.stop]] = if closes { T::one() } else { T::zero() };
-        }
+        Some(Strike {
+            impulses: impulses.flatten(),
+            touching,
+            parts,
+        })
     }
 }
 

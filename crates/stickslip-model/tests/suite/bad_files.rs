@@ -153,11 +153,16 @@ fn what_needs_several_contacts_or_sides_is_reported() {
             .message
             .contains("with 2 contacts it is not clear whose sides")
     );
+    let stop = "[stops.floor]\ngap = \"x\"\nacts = { v = 1 }\nrestitution = 0\n[field]";
     let force = GOOD
         .replace("static = \"2*mu0\"", "normal_force = \"1 - x\"")
-        .replace("[field]", "[contacts.wall]\nboundary = \"x\"\n[field]");
-    let (problem, _) = problem_of(&force);
-    assert!(problem.message.contains("with one contact only"));
+        .replace("mu0/(1 + delta*slip)", "load/(1 + delta*slip)")
+        .replace("drive = \"sin", "load = \"mu0*floor.force\"\ndrive = \"sin")
+        .replace("[field]", stop);
+    let (problem, shown) = problem_of(&force);
+    let message = "the friction of contact `belt` follows a reaction";
+    assert!(problem.message.contains(message), "{shown}");
+    assert!(shown.contains("leave `normal_force` out"), "{shown}");
 }
 
 #[test]

@@ -186,6 +186,19 @@ fn derivatives_pass_jumps_samples_inputs_static_friction_and_several_contacts() 
     let driven = system(DRIVEN);
     let by = ["mu", "more", "speed", "T", "e", "x", "v"];
     assert!(compare(&driven, &by, 11.0) > 100);
+    // Blows that are slow enough do nothing, and friction is a table.
+    let gated = DRIVEN
+        .replace(
+            "[jumps.stop]\n",
+            "[jumps.stop]\nif = \"v > 0.2 and last < 10\"\n",
+        )
+        .replace("mu/(1 + belt*(v - speed))", "mu*law(belt*(v - speed))")
+        .replace(
+            "[contacts.belt]",
+            "[curves.law]\npoints = [[0, 1], [0.4, 0.8], [2, 0.5]]\nbetween = \"monotone\"\n\
+             beyond = \"extend\"\n[contacts.belt]",
+        );
+    assert!(compare(&system(&gated), &by, 11.0) > 50);
     let stack = system(STACK);
     assert!(compare(&stack, &["a", "b", "k", "x", "y", "w", "t0"], 11.0) > 60);
 }

@@ -5,6 +5,7 @@ mod bad_files;
 mod blocks;
 mod branches;
 mod choices;
+mod curves;
 mod derivatives;
 mod extremes;
 mod fit;

@@ -1,12 +1,15 @@
 //! From text to trees of expressions.
 
-use stickslip_model::expression::{Binary, Expression, ExpressionKind, parse};
+use stickslip_model::expression::{
+    Binary, Condition, Expression, ExpressionKind, parse, parse_condition,
+};
 
 /// The expression with all parentheses written.
 fn printed(expression: &Expression) -> String {
     match &expression.kind {
         ExpressionKind::Number(value) => value.to_string(),
         ExpressionKind::Name(name) => name.clone(),
+        ExpressionKind::Condition(condition) => condition_printed(condition),
         ExpressionKind::Negative(inner) => format!("(-{})", printed(inner)),
         ExpressionKind::Chain(first, rest) => {
             rest.iter().fold(printed(first), |left, (operator, right)| {
@@ -29,6 +32,62 @@ fn printed(expression: &Expression) -> String {
             format!("{function}[{}]", arguments.join(","))
         }
     }
+}
+
+fn condition_printed(condition: &Condition) -> String {
+    let joined = |parts: &[Condition], word: &str| {
+        let parts: Vec<String> = parts.iter().map(condition_printed).collect();
+        format!("({})", parts.join(word))
+    };
+    match condition {
+        Condition::Comparison {
+            larger,
+            smaller,
+            with_equal,
+        } => {
+            let sign = if *with_equal { ">=" } else { ">" };
+            format!("{}{sign}{}", printed(larger), printed(smaller))
+        }
+        Condition::All(parts) => joined(parts, " and "),
+        Condition::Any(parts) => joined(parts, " or "),
+        Condition::Not(part) => format!("not {}", condition_printed(part)),
+    }
+}
+
+#[test]
+fn comparisons_are_joined_by_words() {
+    for (text, wanted) in [
+        ("a < b", "b>a"),
+        ("a >= b + 1", "a>=(b+1)"),
+        ("a < b and b <= c or d > e", "((b>a and c>=b) or d>e)"),
+        ("a < b and (b < c or d > e)", "(b>a and (c>b or d>e))"),
+        ("not a < b and c > d", "(not b>a and c>d)"),
+        ("not (a < b and c > d)", "not (b>a and c>d)"),
+        ("((a + b)*2 < (c))", "c>((a+b)*2)"),
+        ("(a) < b", "b>a"),
+        ("not not (a < 1)", "not not 1>a"),
+        ("if(a < 1 or a > 2, 1, 2) < 3", "3>if[(1>a or a>2),1,2]"),
+    ] {
+        let parsed = parse_condition(text);
+        assert_eq!(parsed.map(|e| printed(&e)), Ok(wanted.to_owned()), "{text}");
+    }
+    for (text, place, message) in [
+        ("a", 0..1, "a number, not a condition"),
+        ("a < b and c", 10..11, "a number, not a condition"),
+        ("not a", 4..5, "a number, not a condition"),
+        ("a < b < c", 6..7, "`<` is not expected here"),
+        ("a < b and", 9..9, "something is missing"),
+        ("(a < b", 0..1, "not closed"),
+        ("(a < b)*2 > 1", 3..4, "does not belong into an expression"),
+        ("a < b & c", 6..7, "does not belong into an expression"),
+        ("", 0..0, "no expression"),
+    ] {
+        let error = parse_condition(text).unwrap_err();
+        assert!(error.message.contains(message), "{text}: {error}");
+        assert_eq!(error.span, place, "{text}: {error}");
+    }
+    let deep = format!("{}a < b{}", "not (".repeat(5000), ")".repeat(5000));
+    assert!(parse_condition(&deep).is_err());
 }
 
 #[test]

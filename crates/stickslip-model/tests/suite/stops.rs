@@ -1,9 +1,12 @@
 //! Stops: impacts, rest, reactions and lift-off, against closed forms and 25-digit references.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 use numerics::SplitMix;
-use stickslip::{Ending, Error, math};
+use stickslip::dynamics::{Modes, OrbitProgress, OrbitUnderWay};
+use stickslip::{Ending, Error, Mode, Side, math};
+use stickslip_model::kernel::follow;
 use stickslip_model::study::Variables;
 
 use super::run::{METHODS, Run, options, orbit, parsed, real_multipliers, system, with};
@@ -530,5 +533,131 @@ fn what_is_wrong_with_a_stop_is_told_where_it_is_written() {
         };
         let error = stickslip_model::file::SystemFile::parse(source).unwrap_err();
         assert!(error.to_string().contains(message), "{after}: {error}");
+    }
+}
+
+/// At the ends of all steps up to a time: modes, time, state, and the quantities there.
+type Observed = Vec<(Modes, f64, Vec<f64>, Vec<f64>)>;
+
+fn observed(text: &str, formulas: &[(&str, &str)], t_end: f64, method: &str) -> Observed {
+    let system = system(text);
+    let (mut quantities, mut all) = (system.quantities(formulas).unwrap(), Vec::new());
+    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
+        if let OrbitProgress::Step = progress {
+            let step = orbit.last_step();
+            let x = step.x_end.as_slice().to_vec();
+            let values = quantities.at(&step.mode, step.t_end, &x);
+            all.push((step.mode, step.t_end, x, values));
+        }
+        ControlFlow::Continue(())
+    };
+    let x = system.start().unwrap();
+    let (dynamics, options) = (system.dynamics(), options(method));
+    follow(dynamics, (0.0, &x), t_end, &options, &[], &mut watcher).unwrap();
+    all
+}
+
+#[test]
+fn reactions_are_those_of_the_motion() {
+    for method in METHODS {
+        // On the table the ball moves as A sin t; in flight there is no reaction.
+        let formulas = [("work", "-table.force*v"), ("double", "2*table.force")];
+        let table = observed(TABLE, &formulas, 60.0, method);
+        let mut carried = 0;
+        for (_, t, x, values) in &table {
+            let force = if x[2] > 0.5 {
+                1.0 - 1.5 * math::sin(*t)
+            } else {
+                0.0
+            };
+            close(values[0], force, 1e-12, "the reaction of the table");
+            assert_eq!(
+                values[1..],
+                [-values[0] * x[1] + 0.0, 2.0 * values[0]],
+                "{t}"
+            );
+            assert!(
+                values
+                    .iter()
+                    .all(|value| value.to_bits() != (-0.0_f64).to_bits())
+            );
+            carried += usize::from(x[2] > 0.5);
+        }
+        assert!(carried > 10 && carried < table.len() - 10);
+        // The rod turns about its tip while that sticks, then slips, then sticks to the other side.
+        let mut counts = [0; 3];
+        for (modes, _, x, values) in observed(ROD, &[], 1.2, method) {
+            let (th, om, g, mu) = (x[2], x[5], 9.81, 0.3);
+            let (s, c) = (math::sin(th), math::cos(th));
+            let (number, force) = match modes.get(0) {
+                Mode::Stick => (0, g - 0.75 * g * c * c - s * om * om),
+                Mode::Slip(side) => {
+                    let friction = mu * side.sign() * s;
+                    let number = if side == Side::Below { 1 } else { 2 };
+                    (number, (g - s * om * om) / (1.0 + 3.0 * c * (c + friction)))
+                }
+            };
+            close(values[0], force, 1e-9, "the reaction of the floor");
+            counts[number] += 1;
+        }
+        assert!(counts.iter().all(|count| *count > 1), "{counts:?}");
+    }
+}
+
+/// The impulse of an impact is 1 + e times the speed; that of a landing is what is left of it.
+#[test]
+fn impulses_are_changes_of_momentum() {
+    for method in METHODS {
+        let run = Run::of(system(BALL), &options(method), Some(5.0));
+        let system = &run.system;
+        let mut speed = 2.0_f64.sqrt();
+        let mut impacts = 0;
+        let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
+            if let OrbitProgress::Transition(at) = progress {
+                let impulse = system.impulses(at.contact, at.t, at.x.as_slice());
+                if system.contact_name(at.contact) == "floor.impact" {
+                    close(impulse[0], 1.5 * speed, 1e-9, "an impulse");
+                    speed *= 0.5;
+                    impacts += 1;
+                } else {
+                    assert!(impulse[0].abs() < 1e-6, "{impulse:?}");
+                }
+            }
+            ControlFlow::Continue(())
+        };
+        let x = system.start().unwrap();
+        let (dynamics, options) = (system.dynamics(), options(method));
+        follow(dynamics, (0.0, &x), 5.0, &options, &[], &mut watcher).unwrap();
+        assert!(impacts > 5, "{impacts}");
+    }
+    // Two balls, of which the first hits the second, which touches a wall.
+    let text = "name = \"row\"\n[states]\n\
+                x = \"\"\ny = \"\"\nu = \"\"\nv = \"\"\n[field]\nx = \"u\"\n\
+                y = \"v\"\nu = 0\nv = 0\n[stops.pair]\ngap = \"y - x\"\nacts = { u = -1, v = 1 }\n\
+                restitution = 0\n[stops.wall]\ngap = \"1 - y\"\nacts = { v = -1 }\n\
+                restitution = 0\n[start]\nx = 0\ny = 1\nu = 1\nv = 0\n[time]\nend = 2\n";
+    let row = system(text);
+    assert_eq!(
+        row.impulses(0, 1.0, &[1.0, 1.0, 1.0, 0.0, 0.0, 1.0]),
+        [1.0, 1.0]
+    );
+}
+
+#[test]
+fn a_quantity_that_is_wrong_is_reported() {
+    let system = system(TABLE);
+    for (name, formula, message) in [
+        ("v", "1", "the name `v` is taken already"),
+        (
+            "table.force",
+            "1",
+            "the name `table.force` is taken already",
+        ),
+        ("", "1", "the formula has no name"),
+        ("power", "v*f", "unknown name `f`"),
+        ("power", "v*", "something is missing"),
+    ] {
+        let error = system.quantities(&[(name, formula)]).err().unwrap();
+        assert!(error.to_string().contains(message), "{error}");
     }
 }

@@ -195,6 +195,7 @@ where
                 self.search.stand_at_zero(number, 0.0, rate);
             }
         }
+        self.pass_idle(integration);
         // A phase of zero length lies before it.
         self.has_jumped = self.is_due();
         Ok(())
@@ -362,7 +363,11 @@ where
                 self.search.set_side(number, side);
             }
         }
-        Ok(())
+        self.pass_idle(integration);
+        match self.is_due() {
+            true => Ok(()),
+            false => integration.go_on_in_phase(),
+        }
     }
 
     /// The impact that ends a flight of which the last step shows none: a gap that was zero at its
@@ -382,6 +387,19 @@ where
                 && self.search.hardly_rises(number, start, integration)
         };
         (0..self.counts.len()).find(is_missed)
+    }
+
+    /// Removes the pending jumps that do not happen, up to the first that does. The others follow
+    /// from the state after that one.
+    fn pass_idle(&mut self, integration: &Integration<'a, S, N, G>) {
+        while let Some(due) = self.due.front().copied() {
+            let x = components(integration.x());
+            if self.jumps.happens(due.number, integration.t(), x) {
+                return;
+            }
+            self.due.pop_front();
+            self.leave_zero(due.number, due.left, integration);
+        }
     }
 
     /// The next pending jump.
@@ -464,6 +482,7 @@ where
             if hidden.is_some() {
                 self.hold_down(due.number, &Timed { t, x: after });
             }
+            self.pass_idle(integration);
         }
         Ok(Some(Transition {
             t,
@@ -540,6 +559,7 @@ where
         let changed = integration.restart_at_kink(after)?;
         self.detect_jumps(integration, [&before, &after], None)?;
         self.due.make_contiguous().sort_by_key(|due| due.number);
+        self.pass_idle(integration);
         if changed.is_some() || self.is_due() || integration.phase().is_none() {
             let phase = phase.map(|phase| view.phase(&phase, self.due()));
             pending.extend(phase.map(OrbitProgress::PhaseEnd));

@@ -69,6 +69,18 @@ pub trait Jumps<const N: usize> {
     /// The state after a jump, from that before it.
     fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N];
 
+    /// Whether a jump whose function is zero happens, judged once on the state before it. Where it
+    /// does not, the orbit goes on as if its function had no zero there. By default it does.
+    fn happens(&self, _jump: usize, _t: f64, _x: &[f64; N]) -> bool {
+        true
+    }
+
+    /// Whether a jump may not happen at a zero of its function. Branches then do not watch the
+    /// function within a phase: a zero there says nothing.
+    fn is_conditional(&self, _jump: usize) -> bool {
+        false
+    }
+
     /// Whether error control resolves the function over a step as it does the state; see
     /// [`crate::EventFunctions::is_as_smooth_as_state`].
     fn is_as_smooth_as_state(&self, _jump: usize) -> bool {
@@ -185,7 +197,7 @@ pub struct WithJumps<S, J> {
 /// The effect of a jump at a moment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reset {
-    /// The state after it.
+    /// The state after it; not a number where the jump does not happen.
     pub after: Vector,
     /// The derivative of that state by the state before, square in the states.
     pub by_state: super::Matrix,

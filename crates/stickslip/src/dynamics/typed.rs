@@ -291,8 +291,13 @@ where
             Some(input) => of.gradient(|t, x| of.jumps.clock(input, t, x), &here),
             None => of.gradient(|t, x| of.jumps.when(jump, t, x), &here),
         };
+        let x_there = components(&x);
+        let after = match of.jumps.happens(jump, t, x_there) {
+            true => of.vector(&of.jumps.set(jump, t, x_there).into()),
+            false => Vector::from_element(states, f64::NAN),
+        };
         Reset {
-            after: of.vector(&of.jumps.set(jump, t, components(&x)).into()),
+            after,
             by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
             by_time: along(N),
             value: of.jumps.when(jump, t, components(&x)),

@@ -213,6 +213,19 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
     }
 
+    /// Continues the phase from where the last step was cut.
+    ///
+    /// # Errors
+    /// [`Error::Escaped`].
+    pub(crate) fn go_on_in_phase(&mut self) -> Result<(), Error> {
+        self.run.check_escape()?;
+        if self.run.orders != [0; G] {
+            self.work(Work::RecordDepartures)?;
+        }
+        self.due = Due::Begin;
+        Ok(())
+    }
+
     /// Takes the next step and reports it, or reports a consequence of the last one. Each call
     /// reports one item: the end of a phase, then the transition that follows.
     ///

@@ -18,7 +18,7 @@ pub enum Method {
     /// `locator` has no effect. Where a field or boundary uses `max`, `min`, `abs` or
     /// [`crate::Scalar::exceeds`], a step ends where the comparison changes. It also ends where a
     /// function becomes flat to rounding or negligible beside one. These bounds are ±17 for `tanh`,
-    /// and ±37 for `exp`, `cosh` and `sinh`.
+    /// ±5.57 for `erf`, and ±37 for `exp`, `cosh` and `sinh`.
     ///
     /// Other flat and narrow features (a high power of `1/(1 + x²)`) need
     /// [`Options::longest_step`]. A function that branches on [`crate::Scalar::value`] is sampled,

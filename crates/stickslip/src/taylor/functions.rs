@@ -13,6 +13,7 @@ use Jet::Linear;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Flat {
     HyperbolicTangent,
+    ErrorFunction,
     Exponential,
 }
 
@@ -23,6 +24,7 @@ impl Flat {
         let (low, high) = match self {
             // At this bound the function differs from 1 by 15 units in the last place.
             Flat::HyperbolicTangent => (-17.0, 17.0),
+            Flat::ErrorFunction => (-5.57, 5.57),
             // Beyond these bounds the exponential is lost to rounding beside 1, or 1 beside it, as
             // in a logistic function.
             Flat::Exponential => (-37.0, 37.0),
@@ -82,6 +84,35 @@ impl<'a, const L: usize> Coefficient<'a, L> {
             lanes(|l| sign * (inner[l] + 2.0 * t0[l] * newest[l]))
         };
         sweep.store_next(of_square);
+        result
+    }
+
+    /// The error function, whose slope is `2/√π exp(−a²)`.
+    #[inline(always)]
+    fn error_function(self) -> Jet<'a, L> {
+        let (sweep, a) = (self.sweep, self.newest);
+        let slope = self.store_slope();
+        let of_exponent = if sweep.order == 0 {
+            [0.0; L]
+        } else {
+            let (inner, a0) = (sweep.convolution(self.row, self.row), self.first());
+            sweep.slope(lanes(|l| -(inner[l] + 2.0 * a0[l] * a[l])))
+        };
+        let exponent = sweep.store_next(of_exponent);
+        let rate = sweep.next_row() + 1;
+        let newest = if sweep.order == 0 {
+            lanes(|l| math::erf(a[l]))
+        } else {
+            self.integral(slope, rate)
+        };
+        let result = sweep.result(newest);
+        let of_rate = if sweep.order == 0 {
+            lanes(|l| math::ERF_SLOPE * math::exp(-(a[l] * a[l])))
+        } else {
+            let (inner, g0) = (sweep.convolution(exponent, rate), sweep.at(rate, 0));
+            sweep.integral(lanes(|l| inner[l] + of_exponent[l] * g0[l]))
+        };
+        sweep.store_next(of_rate);
         result
     }
 
@@ -214,6 +245,15 @@ impl<const L: usize> Jet<'_, L> {
         }
     }
 
+    /// The error function, without the comparison at its bound.
+    #[inline(always)]
+    pub(super) fn erf_unchecked(self) -> Self {
+        match self.in_row() {
+            Ok(a) => a.error_function(),
+            Err(a) => Self::constant(math::erf(a)),
+        }
+    }
+
     /// The exponential function, without the comparison at its bound.
     #[inline(always)]
     pub(super) fn exp_unchecked(self) -> Self {
@@ -322,6 +362,11 @@ impl<const L: usize> Scalar for Jet<'_, L> {
             (Err(a), _) => Self::constant(math::atan(a)),
             (Ok(_), Err(_)) => self,
         }
+    }
+    #[inline(always)]
+    fn erf(self) -> Self {
+        self.check_flat(Flat::ErrorFunction);
+        self.erf_unchecked()
     }
     #[inline(always)]
     fn sinh(self) -> Self {

@@ -237,6 +237,11 @@ impl Scalar for Recorded<'_> {
         self.unary(Operation::ArcTangent, 0.0)
     }
     #[inline(always)]
+    fn erf(self) -> Self {
+        self.check_flat(Flat::ErrorFunction);
+        self.unary(Operation::ErrorFunction, 0.0)
+    }
+    #[inline(always)]
     fn sinh(self) -> Self {
         self.check_flat(Flat::Exponential);
         self.unary(Operation::HyperbolicSine, 0.0)
