@@ -34,6 +34,8 @@ pub struct Residuals<P> {
     pub jacobian: Matrix,
     /// The piece on which the residuals are smooth: equal on the same one.
     pub piece: P,
+    /// Number of last residuals that count as squares whatever the loss, such as constraints.
+    pub squares: usize,
 }
 
 /// What large residuals weigh; a scale is in units of the standard deviation.
@@ -183,7 +185,9 @@ impl<P> Point<P> {
     fn of(x: Vector, at: Residuals<P>, loss: Loss) -> Self {
         let (mut values, mut jacobian) = (at.values.clone(), at.jacobian.clone());
         let mut cost = 0.0;
+        let lossy = values.len().saturating_sub(at.squares);
         for (k, value) in values.iter_mut().enumerate() {
+            let loss = if k < lossy { loss } else { Loss::Squares };
             let (part, of_value, of_slope) = loss.of(*value);
             cost += part;
             *value *= of_value;
@@ -235,7 +239,7 @@ impl Model {
             .iter()
             .map(|&k| here.jacobian.column(k) / scale[k])
             .collect();
-        if columns.is_empty() {
+        if columns.is_empty() || here.values.is_empty() {
             let (singular, along) = (Vector::zeros(0), Vector::zeros(0));
             let right = Matrix::zeros(0, 0);
             return Model {
@@ -455,6 +459,9 @@ impl<F> Search<'_, F> {
         let (mut low, mut high) = (0.0, 1.0);
         let (mut before, mut beyond) = (None, there);
         for _ in 0..HALVINGS {
+            if self.evaluations >= self.settings.most_evaluations {
+                break;
+            }
             let middle = 0.5 * (low + high);
             match self.evaluated(&here.x + &way * middle) {
                 Some(point) if point.at.piece == here.at.piece => {

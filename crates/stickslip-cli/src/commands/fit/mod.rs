@@ -99,12 +99,16 @@ fn failure(error: FitError, system: &System) -> Failure {
     match error {
         FitError::Setting(error) => error.into(),
         FitError::File(error) => error.into(),
-        FitError::Start { ref cause, .. } | FitError::NoDerivatives { ref cause, .. } => {
-            Failure::Fit(format!("{error}: {}", in_words(cause, system)))
-        }
-        FitError::NoStart { .. } | FitError::Ends { .. } | FitError::Interrupted => {
-            Failure::Fit(error.to_string())
-        }
+        FitError::Start { ref cause, .. }
+        | FitError::NoDerivatives { ref cause, .. }
+        | FitError::Part {
+            cause: Some(ref cause),
+            ..
+        } => Failure::Fit(format!("{error}: {}", in_words(cause, system))),
+        FitError::NoStart { .. }
+        | FitError::Ends { .. }
+        | FitError::Part { .. }
+        | FitError::Interrupted => Failure::Fit(error.to_string()),
         error => Failure::Usage(error.to_string()),
     }
 }

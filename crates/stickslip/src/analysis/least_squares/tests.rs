@@ -36,6 +36,7 @@ fn on_duals<'f>(
             values: Vector::from_fn(rows, |i, _| columns[0][i].re),
             jacobian: Matrix::from_fn(rows, x.len(), |i, k| columns[k][i].eps),
             piece: (),
+            squares: 0,
         })
     }
 }
@@ -235,6 +236,48 @@ fn robust_losses_pass_over_an_outlier() {
 }
 
 #[test]
+fn last_residuals_count_as_squares_under_any_loss() {
+    // One value, at 3 by a residual that counts as a square, and at 0 by one that the loss holds.
+    let both = |squares: usize| {
+        move |x: &Vector| {
+            Ok::<_, Infallible>(Residuals {
+                values: Vector::from_vec(vec![x[0], x[0] - 3.0]),
+                jacobian: Matrix::from_element(2, 1, 1.0),
+                piece: (),
+                squares,
+            })
+        }
+    };
+    let settings = LeastSquaresSettings {
+        loss: Loss::Huber(0.5),
+        ..unbounded(1)
+    };
+    let start = Vector::from_element(1, 1.0);
+    // The force of the first is 0.5 there: x - 3 = -0.5.
+    let Ok(found) = least_squares(&start, &settings, both(1));
+    // The search ends where the cost stays to thirteen digits.
+    assert!((found.x[0] - 2.5).abs() < 1e-6, "{}", found.x);
+    assert!((found.cost - (0.125 + 0.5 * (2.5 - 0.25))).abs() < 1e-12);
+    let Ok(found) = least_squares(&start, &settings, both(2));
+    assert!((found.x[0] - 1.5).abs() < 1e-12, "{}", found.x);
+}
+
+#[test]
+fn without_residuals_the_start_is_a_minimum() {
+    let none = |x: &Vector| {
+        Ok::<_, Infallible>(Residuals {
+            values: Vector::zeros(0),
+            jacobian: Matrix::zeros(0, x.len()),
+            piece: (),
+            squares: 0,
+        })
+    };
+    let start = Vector::from_element(1, 1.0);
+    let Ok(found) = least_squares(&start, &unbounded(1), none);
+    assert_eq!((found.x, found.cost), (start, 0.0));
+}
+
+#[test]
 fn failures_shorten_steps_and_are_counted() {
     // The logarithm has no value where the first step of the residual's line leads.
     let of = |x: &Vector| match x[0] > 0.0 {
@@ -242,6 +285,7 @@ fn failures_shorten_steps_and_are_counted() {
             values: Vector::from_vec(vec![crate::math::ln(x[0])]),
             jacobian: Matrix::from_element(1, 1, 1.0 / x[0]),
             piece: (),
+            squares: 0,
         }),
         false => Err("no logarithm"),
     };
@@ -263,6 +307,7 @@ fn in_pieces(
             values: Vector::from_vec(vec![a, b]),
             jacobian: Matrix::from_column_slice(2, 1, &[of_a, of_b]),
             piece: x[0] > 1.0,
+            squares: 0,
         })
     }
 }
