@@ -499,6 +499,26 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
 }
 
 #[test]
+fn the_committed_intervals_contain_the_truth_as_often_as_they_should() {
+    let table = include_str!("../../examples/fit_coverage/coverage.csv");
+    let mut pooled = std::collections::BTreeMap::<&str, [f64; 2]>::new();
+    for row in table.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().unwrap();
+        assert_eq!((number(2), number(3)), (1000.0, 1000.0), "{row}");
+        let share = number(6) / number(4);
+        assert!((0.925..=0.975).contains(&share), "{row}");
+        let of_level = pooled.entry(cells[1]).or_default();
+        *of_level = [of_level[0] + number(6), of_level[1] + number(4)];
+    }
+    assert_eq!(pooled.len(), 3);
+    for (noise, [contained, intervals]) in pooled {
+        let share = contained / intervals;
+        assert!((0.94..=0.96).contains(&share), "{noise}: {share}");
+    }
+}
+
+#[test]
 fn parts_have_a_value_each_and_pass_over_outliers() {
     let file = parsed(BELT);
     let times = times(60, 0.25);

@@ -26,12 +26,10 @@ pub(super) struct Node {
     pub(super) candidates: Vec<Vector>,
 }
 
-/// Starts of the parts, and what a mismatch there weighs.
+/// Starts of the parts, and the spread of each state.
 #[derive(Default)]
 pub(super) struct Parts {
     pub(super) nodes: Vec<Node>,
-    /// Weight of a mismatch over the spread of each state.
-    weight: f64,
     spreads: Vec<f64>,
 }
 
@@ -46,7 +44,7 @@ impl Parts {
         self.nodes.iter().any(|node| node.part == part)
     }
 
-    /// Adds the weighted mismatches at a point, and their derivatives by all unknowns.
+    /// Adds the mismatches over the spreads at a point, and their derivatives by all unknowns.
     pub(super) fn add_rows(
         &self,
         (records, runs): (&[RecordRun], &[RecordAt]),
@@ -61,7 +59,7 @@ impl Parts {
             };
             let (end, by_local) = &run.end;
             for (state, scale) in self.spreads.iter().enumerate() {
-                let (weight, own) = (self.weight / scale, node.first + state);
+                let (weight, own) = (scale.recip(), node.first + state);
                 residuals.push(weight * (end[state] - x[own]));
                 let mut row = vec![0.0; x.len()];
                 for (column, &(_, place)) in record.local.iter().enumerate() {
@@ -141,12 +139,6 @@ impl<'r> Problem<'r> {
         Ok((problem, Vector::from_vec(whole)))
     }
 
-    pub(super) fn set_weight(&mut self, weight: f64) {
-        if let Some(parts) = &mut self.parts {
-            parts.weight = weight;
-        }
-    }
-
     /// Residuals of one part alone, by the unknowns of its start.
     pub(super) fn of_part(&self, node: &Node, x: &Vector) -> Result<Residuals<Sequence>, Failed> {
         let record = &self.records[node.part];
@@ -159,7 +151,7 @@ impl<'r> Problem<'r> {
             values: Vector::from_vec(residuals),
             jacobian: all.columns(node.first, states).into_owned(),
             piece: vec![run.phases.iter().map(|phase| phase.2).collect()],
-            squares: 0,
+            constraints: 0,
         })
     }
 
@@ -173,8 +165,7 @@ impl<'r> Problem<'r> {
     pub(super) fn largest_mismatch(&self, residuals: &Vector) -> Option<f64> {
         let parts = self.parts.as_ref()?;
         let from = residuals.len().saturating_sub(parts.mismatches());
-        let sizes = residuals.iter().skip(from).map(|r| r.abs() / parts.weight);
-        Some(sizes.fold(0.0, f64::max))
+        Some(residuals.rows_range(from..).amax())
     }
 }
 

@@ -211,7 +211,7 @@ impl<'r> Problem<'r> {
             piece: at.sequence(),
             values: at.residuals,
             jacobian: at.jacobian,
-            squares: self.mismatches(),
+            constraints: self.mismatches(),
         })
     }
 

@@ -9,7 +9,6 @@ use super::unknowns::{Kind, Local};
 use super::{FitError, FitRequest, Record};
 use crate::expression::Tape;
 use crate::file::{FreeStarts, Meaning, Observed, System};
-use crate::kernel::HELD_PER_INPUT;
 
 /// Why the residuals of a record could not be computed.
 pub(super) enum Failed {
@@ -145,19 +144,14 @@ impl RecordRun {
         (start, self.times.last().copied().unwrap_or(start))
     }
 
-    /// A formula of the parameters, with its derivative by one of them.
-    fn of_parameters(&self, tape: &Tape, parameters: &[f64], by: Kind) -> Dual<f64> {
-        let mut all = vec![Dual::constant(0.0); self.system.states()];
-        all.extend(self.parameters.iter().zip(parameters).map(|(k, value)| {
-            let slope = if by == Kind::Parameter(*k) { 1.0 } else { 0.0 };
-            Dual::new(*value, slope)
-        }));
-        // Starts have no inputs, but tapes have room for them.
-        let inputs = self.system.file.inputs.len();
-        all.resize(all.len() + HELD_PER_INPUT * inputs, Dual::constant(0.0));
-        let mut out = [Dual::constant(0.0)];
-        tape.evaluate(Dual::constant(0.0), &all, &mut out);
-        out[0]
+    /// A formula of the parameters, with its derivative by an unknown.
+    fn of_parameters(&self, tape: &Tape, values: &[f64], by: Kind) -> Dual<f64> {
+        let by = match by {
+            Kind::Parameter(number) => Some(number),
+            Kind::State(_) | Kind::StartTime => None,
+        };
+        self.system
+            .of_parameters(tape, (&self.parameters, values), by)
     }
 
     /// Refuses a discrete state whose start depends on what is sought: no derivative has it.

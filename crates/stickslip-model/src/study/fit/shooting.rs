@@ -1,8 +1,9 @@
-//! Multiple shooting: parts with starts of their own, which are matched more and more tightly.
+//! Multiple shooting: parts with starts of their own, which have to meet.
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals, least_squares,
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
+    constrained_least_squares, least_squares,
 };
 use stickslip::dynamics::Vector;
 
@@ -11,15 +12,12 @@ use super::problem::{Problem, Sequence};
 use super::work::Work;
 use super::{Fit, FitError, Uncertainty, finished};
 
-/// Weights of a mismatch over the spread of the state, from that of data with much noise to one
-/// that leaves a millionth.
-const WEIGHTS: [f64; 7] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
-
-/// Most evaluations at one weight. It is chosen: the next weight goes on from there.
+/// Most evaluations for the start of a part alone. It is chosen: all parts go on from there.
 const MOST_EVALUATIONS: usize = 40;
 
-/// Relative tolerance at one weight.
-const TOLERANCE: f64 = 1e-6;
+/// Relative tolerance of the search in parts. It is chosen: a single orbit, where one follows, is
+/// found to that of all fits.
+const TOLERANCE: f64 = 1e-8;
 
 /// Cost of a single orbit over that of its parts, up to which it is the result. Noise and mismatch
 /// make it differ by less.
@@ -39,7 +37,7 @@ pub(super) fn fit_in_parts(
     let segments = problem.request.segments;
     let (mut parts, begun) = problem.in_parts(x, segments)?;
     let begun = starts_alone(&parts, begun, &mut work);
-    let mut best = matched(&mut parts, &begun, &mut work)?;
+    let mut best = matched(&parts, &begun, &mut work)?;
     let start = best.x.rows(0, problem.unknowns.len()).into_owned();
     let settings = LeastSquaresSettings {
         most_evaluations: work.left(),
@@ -64,7 +62,7 @@ pub(super) fn fit_in_parts(
             best.end = LeastSquaresEnd::Evaluations;
             break;
         }
-        best = tightened(&parts, &best.x, &mut work)?;
+        best = matched(&parts, &best.x, &mut work)?;
         if largest <= super::SAME_SIGMA {
             break;
         }
@@ -120,39 +118,18 @@ fn start_alone(parts: &Problem<'_>, x: &Vector, node: &Node, most: usize) -> (Ve
     }
 }
 
-/// The minimum of multiple shooting near a point (Bock, *Modelling of Chemical Reaction Systems*,
-/// 1981, 102; relaxed as by Ribeiro et al., *Automatica* 121 (2020) 109158). A mismatch costs more
-/// from stage to stage, until the parts are one orbit.
-fn matched(
-    parts: &mut Problem<'_>,
-    x: &Vector,
-    work: &mut Work,
-) -> Result<LeastSquares<Sequence>, FitError> {
-    parts.set_weight(WEIGHTS[0]);
-    let mut found = tightened(parts, x, work)?;
-    for weight in &WEIGHTS[1..] {
-        if work.left() == 0 {
-            found.end = LeastSquaresEnd::Evaluations;
-            break;
-        }
-        parts.set_weight(*weight);
-        found = tightened(parts, &found.x, work)?;
-    }
-    Ok(found)
-}
-
-/// The minimum near a point at the present weight.
-pub(super) fn tightened(
+/// The minimum of multiple shooting near a point, at which the parts meet (Bock, *Modelling of
+/// Chemical Reaction Systems*, 1981, 102).
+pub(super) fn matched(
     parts: &Problem<'_>,
     x: &Vector,
     work: &mut Work,
 ) -> Result<LeastSquares<Sequence>, FitError> {
-    let count = MOST_EVALUATIONS.min(work.left()).max(1);
     let settings = LeastSquaresSettings {
         bounds: parts.unknowns.bounds(),
-        ..settings(parts.request.loss, count)
+        ..settings(parts.request.loss, work.left().max(1))
     };
-    let found = least_squares(x, &settings, |x| parts.residuals(x));
+    let found = constrained_least_squares(x, &settings, |x| parts.residuals(x));
     let found = found.map_err(|error| parts.failed(error));
     parts.check_interrupt()?;
     let found = found?;

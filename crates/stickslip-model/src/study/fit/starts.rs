@@ -18,7 +18,7 @@ impl Problem<'_> {
         for one in &self.unknowns.0 {
             if !(one.bounds.1 - one.bounds.0).is_finite() {
                 return Err(FitError::Request(format!(
-                    "`{}` has no bounds to search within: give both, as in {}=0..1",
+                    "`{}` has no bounds to search within: give both, as in {}=0:1",
                     one.name, one.name
                 )));
             }

@@ -1,6 +1,6 @@
 //! Standard errors, correlations, and what the data do not determine.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss};
+use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss, null_space};
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::nalgebra::{QR, SVD};
 
@@ -91,7 +91,16 @@ impl Uncertainty {
             .zip(&scales)
             .map(|(&k, scale)| at.jacobian.column(k) / *scale)
             .collect();
-        let svd = SVD::new(QR::new(Matrix::from_columns(&columns)).r(), false, true);
+        let columns = Matrix::from_columns(&columns);
+        let count_of_data = rows - problem.mismatches();
+        // Parts that meet leave these directions.
+        let basis = null_space(&columns.rows_range(count_of_data..).into_owned());
+        let of_data = columns.rows(0, count_of_data) * &basis;
+        if of_data.is_empty() {
+            own.none = Some("the parts leave nothing to the data");
+            return own;
+        }
+        let svd = SVD::new(QR::new(of_data).r(), false, true);
         let (singular, Some(right)) = (svd.singular_values, svd.v_t) else {
             own.none = Some("its derivatives have no singular values");
             return own;
@@ -104,7 +113,7 @@ impl Uncertainty {
         let factor = variance_factor(problem.loss(), &data, freedom).sqrt();
         let mut directions: Vec<Vector> = Vec::new();
         let mut is_open = vec![false; inside.len()];
-        for (s, row) in singular.iter().zip(right.row_iter()) {
+        for (s, row) in singular.iter().zip((right * basis.transpose()).row_iter()) {
             if *s > least {
                 let parts = row
                     .iter()
