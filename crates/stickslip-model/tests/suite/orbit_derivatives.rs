@@ -296,7 +296,9 @@ fn where_there_is_none_it_is_said() {
     assert!(why.contains("range") || why.contains("outside"), "{why}");
     // The period of the file does not follow the frequency.
     let variables = OrbitVariables::named(&damped, ["o"]).unwrap();
-    let error = variables.of_orbit(&damped, (&at_end, 0.0), &options).unwrap_err();
+    let error = variables
+        .of_orbit(&damped, (&at_end, 0.0), &options)
+        .unwrap_err();
     assert!(
         matches!(error, DerivativeError::OtherPeriod { .. }),
         "{error}"
@@ -317,7 +319,9 @@ fn where_there_is_none_it_is_said() {
     );
     assert_eq!(one.family, 1);
     let variables = OrbitVariables::named(&spring, ["k"]).unwrap();
-    let error = variables.of_orbit(&spring, (&one, 0.0), &options).unwrap_err();
+    let error = variables
+        .of_orbit(&spring, (&one, 0.0), &options)
+        .unwrap_err();
     let is_family = matches!(error, DerivativeError::Run(Error::NotFound { what, .. })
         if what.contains("family"));
     assert!(is_family, "{error}");

@@ -38,8 +38,8 @@ pub use continuation::{
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
 pub use least_squares::{
-    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals, constrained_least_squares,
-    least_squares, null_space,
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
+    constrained_least_squares, least_squares, null_space,
 };
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,

@@ -45,7 +45,9 @@ pub fn constrained_least_squares<P: PartialEq, E>(
 /// An orthonormal basis of the vectors that a matrix of independent rows maps to zero.
 pub fn null_space(matrix: &Matrix) -> Matrix {
     let (rows, columns) = matrix.shape();
-    full_basis(matrix).columns_range(rows.min(columns)..).into_owned()
+    full_basis(matrix)
+        .columns_range(rows.min(columns)..)
+        .into_owned()
 }
 
 /// An orthogonal matrix whose first columns span the rows of a matrix.
@@ -184,7 +186,10 @@ impl<F> Search<'_, F> {
                     break 'search LeastSquaresEnd::Step;
                 }
                 let linear = &here.values + &here.jacobian * &step;
-                let (data, closed) = (linear.rows(0, here.data_rows()), linear.rows_range(here.data_rows()..));
+                let (data, closed) = (
+                    linear.rows(0, here.data_rows()),
+                    linear.rows_range(here.data_rows()..),
+                );
                 let gain = 0.5 * (model.data.norm_squared() - data.norm_squared());
                 let closes = gap - closed.norm();
                 if gain < 0.0 && closes > 0.0 {

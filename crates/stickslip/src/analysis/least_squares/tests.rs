@@ -380,7 +380,10 @@ fn a_chaotic_series_is_followed_by_its_parameter() {
         exact.push(truth * x * (1.0 - x));
     }
     let random = &mut numerics::SplitMix::new(7);
-    let data: Vec<f64> = exact.iter().map(|x| x + random.between(-0.01, 0.01)).collect();
+    let data: Vec<f64> = exact
+        .iter()
+        .map(|x| x + random.between(-0.01, 0.01))
+        .collect();
     let of = |x: &Vector| {
         let mut values = Vector::zeros(2 * COUNT - 1);
         let mut jacobian = Matrix::zeros(2 * COUNT - 1, COUNT + 1);
@@ -404,7 +407,12 @@ fn a_chaotic_series_is_followed_by_its_parameter() {
     };
     let start = Vector::from_iterator(COUNT + 1, data.iter().copied().chain([3.2]));
     let Ok(found) = constrained_least_squares(&start, &unbounded(COUNT + 1), of);
-    assert!((found.x[COUNT] - truth).abs() < 1e-3, "{} {:?}", found.x[COUNT], found.end);
+    assert!(
+        (found.x[COUNT] - truth).abs() < 1e-3,
+        "{} {:?}",
+        found.x[COUNT],
+        found.end
+    );
     let gaps = found.at.values.rows(COUNT, COUNT - 1).amax();
     assert!(gaps < 1e-9, "{gaps}");
     assert!(found.evaluations < 60, "{}", found.evaluations);
