@@ -265,9 +265,9 @@ def fit(
         Number of further starts within the bounds; all minima are reported.
     segments : int, optional
         Parts of each record for multiple shooting, with which the search begins: for chaotic or
-        long records, some periods each.
+        long records, some periods each. Each part needs two rows with a value, and a run.
     most_runs : int, optional
-        Most runs of one search for a minimum.
+        Most runs of all records from one start, in all stages of the search together.
     method : {"taylor", "dop853"}, optional
         The integration method.
     **options : Options

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import warnings
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Unpack
 
@@ -11,10 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from ._arguments import Floats, Options, checked, name_of, pair, real, settings, start, state
+from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import progress_report
 from ._results import Result, call_engine, column, make_result, structured
-from ._run import Event, Solution, section_of, solve_ivp
+from ._run import Event, Solution, section_of, solve_ivp, variables
 from ._symbols import Expression, Parameter, State, number, out_of_bounds, readable, whole
 from ._system import System
 
@@ -46,6 +48,18 @@ class PeriodicOrbit(Result):
         Phases in letters. The text does not depend on where in the cycle `t` is.
     in_stick : float
         Fraction of the period in which a contact sticks.
+    y_min, y_max : ndarray, shape (n,)
+        Minimum and maximum of each state.
+    dperiod : ndarray, shape (k,), or None
+        With `derivatives`: those of the period by each of the k parameters.
+    dy : ndarray, shape (n, k), or None
+        Derivatives of `y`: at a fixed phase of a drive, whole periods after the start of the
+        search, else on the plane through `y` perpendicular to the flow.
+    dy_min, dy_max : ndarray, shape (n, k), or None
+        Derivatives of `y_min` and `y_max`.
+    dmultipliers : ndarray of complex, shape (n, k), or None
+        Derivatives of `multipliers`, by differences of exact orbits. NaN where no orbit with the
+        same phases is beside; a warning says why.
     system : System
         The system.
     """
@@ -60,7 +74,14 @@ class PeriodicOrbit(Result):
     stability: str
     phases: str
     in_stick: float
+    y_min: Floats
+    y_max: Floats
     system: System
+    dperiod: Floats | None = None
+    dy: Floats | None = None
+    dy_min: Floats | None = None
+    dy_max: Floats | None = None
+    dmultipliers: NDArray[np.complex128] | None = None
 
     def solution(self, points: int = 500) -> Solution:
         """The orbit over one period.
@@ -334,6 +355,7 @@ def periodic_orbit(
     periods: int | None = None,
     transient: float | None = None,
     longest: float = 100.0,
+    derivatives: Parameter | str | Sequence[Parameter | str] | None = None,
     **options: Unpack[Options],
 ) -> PeriodicOrbit:
     """Finds the periodic orbit that the run from a start approaches, by shooting.
@@ -357,6 +379,9 @@ def periodic_orbit(
         or, without a drive, 1000 transitions.
     longest : float, optional
         Longest time of return, for a system that does not depend on time.
+    derivatives : sequence of Parameter or str, optional
+        Parameters by which period, state, extremes and multipliers are differentiated. A driven
+        system needs its period as a formula of them.
     **options : Options
         Tolerances and other settings.
 
@@ -385,9 +410,16 @@ def periodic_orbit(
         checked(system)._core,
         start(system, t0, y0),
         _search(system, transient, period, longest, periods),
+        variables(derivatives),
         settings(options),
     )
-    return make_result(found, PeriodicOrbit, system=system)
+    slopes = found.pop("derivatives", {})
+    for why in slopes.pop("missing", ()):
+        message = f"the multipliers have no derivative: {why}"
+        warnings.warn(message, SolverWarning, stacklevel=2)
+    if slopes:
+        slopes["dmultipliers"] = np.array(slopes["dmultipliers"]).T
+    return make_result({**found, **slopes}, PeriodicOrbit, system=system)
 
 
 def poincare_map(

@@ -308,7 +308,7 @@ def _end_of(
     return end, sol._memory
 
 
-def _variables(derivatives: Any) -> list[str]:
+def variables(derivatives: Any) -> list[str]:
     """Names of what an orbit is differentiated by."""
     single = isinstance(derivatives, (str, Parameter, State))
     given = [derivatives] if single else [] if derivatives is None else list(derivatives)
@@ -408,7 +408,7 @@ def solve_ivp(
         begin = start(system, t0, y0)
     if derivatives is not None and memory is not None:
         raise ValueError("derivatives of a run that goes on from another one are not known")
-    by = _variables(derivatives)
+    by = variables(derivatives)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")

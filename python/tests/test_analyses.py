@@ -29,6 +29,26 @@ def test_a_periodic_orbit_has_its_period_and_multiplier():
     assert abs(orbit.multipliers[1]) == pytest.approx(np.exp(RATE * 2 * np.pi), abs=1e-9)
 
 
+def test_a_periodic_orbit_has_the_derivatives_of_its_closed_form():
+    p = ss.parameter("p", 0.5)
+    orbit = ss.periodic_orbit(
+        rings(), [1, 0], transient=10, derivatives=p, rtol=1e-12, atol=1e-12
+    )
+    # The square of the radius is s = 1 + √(1 + p), and the multiplier exp(2s (2 - 2s) 2π).
+    of_square = 0.5 / np.sqrt(1.5)
+    assert orbit.dperiod == pytest.approx([0], abs=1e-9)
+    assert orbit.y_max == pytest.approx(np.sqrt([OUTER, OUTER]), abs=1e-9)
+    assert orbit.dy_max[:, 0] == pytest.approx([0.5 * of_square / np.sqrt(OUTER)] * 2, abs=1e-9)
+    assert orbit.dy_min == pytest.approx(-orbit.dy_max, abs=1e-9)
+    assert 2 * orbit.y @ orbit.dy[:, 0] == pytest.approx(of_square, abs=1e-9)
+    of_multiplier = orbit.multipliers[1] * (4 - 8 * OUTER) * 2 * np.pi * of_square
+    assert orbit.dmultipliers.shape == (2, 1)
+    assert orbit.dmultipliers[:, 0] == pytest.approx([0, of_multiplier], abs=1e-6)
+    assert ss.periodic_orbit(rings(), [1, 0], transient=10).dperiod is None
+    with pytest.raises(ValueError, match="is a state, on which a periodic orbit does not depend"):
+        ss.periodic_orbit(rings(), [1, 0], derivatives=["p", "x"])
+
+
 def test_returns_to_a_section_and_their_derivative():
     section = ss.event(ss.state("y"), direction=1)
     found = ss.poincare_map(rings(-0.5), section, [1.2, 0], returns=5, derivative=True)

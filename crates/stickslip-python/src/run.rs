@@ -341,6 +341,7 @@ pub(crate) fn solve<'py>(
         let found = found.map_err(|error| match error {
             DerivativeError::Setting(error) => PyValueError::new_err(error.to_string()),
             DerivativeError::Run(error) => failed(&error, Some(compiled)),
+            error => PyValueError::new_err(error.to_string()),
         })?;
         fields.fields(
             "derivatives",

@@ -1,14 +1,17 @@
 //! Derivatives of an orbit, as tables.
 
-use stickslip::analysis::EventDerivatives;
+use serde_json::{Map, json};
+use stickslip::analysis::{EventDerivatives, PeriodicOrbit};
 use stickslip::dynamics::Matrix;
+use stickslip::error::readable;
+use stickslip::nalgebra::Complex;
 use stickslip_model::file::System;
-use stickslip_model::study::{DerivativeError, Variables};
+use stickslip_model::study::{DerivativeError, OrbitSlopes, OrbitVariables, Variables};
 
 use super::arguments::PreparedRun;
 use super::recording::{Occurrence, Recording};
 use crate::failure::{Failure, in_words};
-use crate::render::{Report, Table};
+use crate::render::{Report, Table, by_state};
 
 /// The variables of `--derivatives`, separated by commas.
 pub(super) fn variables(system: &System, list: &str) -> Result<Variables, Failure> {
@@ -35,10 +38,7 @@ pub(super) fn put(
     let times = recording.steps.chunks_exact(1 + system.states());
     let times: Vec<f64> = times.map(|row| row[0]).collect();
     let found = variables.along(system, ((*t, x), t_end), (&times, &[]), options);
-    let mut found = found.map_err(|error| match error {
-        DerivativeError::Setting(error) => Failure::from(error),
-        DerivativeError::Run(error) => Failure::from(error),
-    })?;
+    let mut found = found.map_err(failure)?;
     let is_transition = |at: &&Occurrence| matches!(at, Occurrence::Transition(_));
     let transitions: Vec<_> = recording.transitions.iter().filter(is_transition).collect();
     variables.fit(system, &mut found, transitions.iter().map(|at| at.t()));
@@ -93,4 +93,110 @@ fn column_names<'n>(
 
 fn row_by_row(of: &Matrix) -> Vec<f64> {
     of.transpose().as_slice().to_vec()
+}
+
+fn failure(error: DerivativeError) -> Failure {
+    match error {
+        DerivativeError::Setting(error) => error.into(),
+        DerivativeError::Run(error) => error.into(),
+        error => Failure::Usage(format!("--derivatives: {error}")),
+    }
+}
+
+/// The parameters of `--derivatives` of a periodic orbit, separated by commas.
+pub(super) fn orbit_variables(system: &System, list: &str) -> Result<OrbitVariables, Failure> {
+    let names = list.split(',').map(str::trim);
+    OrbitVariables::named(system, names)
+        .map_err(|error| Failure::Usage(format!("--derivatives {list}: {error}")))
+}
+
+/// Adds the derivatives of a periodic orbit: lines, fields, and orbit_derivatives.csv with a row for
+/// each quantity.
+pub(super) fn put_of_orbit(
+    prepared: &PreparedRun,
+    orbit: &PeriodicOrbit,
+    by: &OrbitVariables,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let PreparedRun {
+        system, options, t, ..
+    } = prepared;
+    let found = by.of_orbit(system, (orbit, *t), options);
+    let found = found.map_err(failure)?;
+    let rows = rows(system, &found);
+    let lines = rows.iter().map(|(what, slopes)| {
+        let slopes = found.names.iter().zip(slopes);
+        let words = slopes.map(|(name, slope)| format!("by {name} {}", readable(*slope)));
+        format!("{what}: {}", words.collect::<Vec<_>>().join(", "))
+    });
+    report.lines("derivatives", lines);
+    let why = found.missing.iter().flatten().map(ToString::to_string);
+    let why: Vec<String> = why.collect();
+    report.lines(
+        "",
+        why.iter().map(|why| format!("none of multipliers: {why}")),
+    );
+    let extremes = found.orbit.extremes.iter();
+    let extremes: Vec<[&Vec<f64>; 2]> = extremes
+        .map(|pair| pair.each_ref().map(|one| &one.by))
+        .collect();
+    let state = |state: usize| {
+        found
+            .orbit
+            .x
+            .row(state)
+            .iter()
+            .copied()
+            .collect::<Vec<f64>>()
+    };
+    let x: Vec<Vec<f64>> = (0..system.states()).map(state).collect();
+    let of_one = |slopes: &Vec<Complex<f64>>| {
+        let pairs = slopes.iter().map(|slope| [slope.re, slope.im]);
+        json!(pairs.collect::<Vec<_>>())
+    };
+    let multipliers = found.names.iter().zip(&found.multipliers);
+    let multipliers = multipliers.map(|(name, slopes)| (name.clone(), of_one(slopes)));
+    report.field(
+        "derivatives",
+        json!({
+            "by": found.names,
+            "period": found.orbit.period,
+            "x": by_state(system, &x),
+            "extremes": by_state(system, &extremes),
+            "multipliers": multipliers.collect::<Map<_, _>>(),
+        }),
+    );
+    report.field("no_derivatives", why);
+    let names = found.names.iter().map(|name| format!("d/d{name}"));
+    type Row = (String, Vec<f64>);
+    let table = Table::new()
+        .column("of", |(what, _): &&Row| what.clone())
+        .many("derivatives", names.collect(), |(_, slopes)| slopes.clone());
+    report.table(table.csv("orbit_derivatives", &rows)?);
+    Ok(())
+}
+
+/// What is differentiated, and its derivatives.
+fn rows(system: &System, found: &OrbitSlopes) -> Vec<(String, Vec<f64>)> {
+    let mut rows = vec![("period".to_owned(), found.orbit.period.clone())];
+    let states = system.file.states.iter().enumerate();
+    for (k, state) in states.clone() {
+        let slopes = found.orbit.x.row(k);
+        rows.push((state.name.clone(), slopes.iter().copied().collect()));
+    }
+    for ((_, state), pair) in states.zip(&found.orbit.extremes) {
+        for (what, one) in ["min", "max"].into_iter().zip(pair) {
+            rows.push((format!("{what} {}", state.name), one.by.clone()));
+        }
+    }
+    let count = found.multipliers.first().map_or(0, Vec::len);
+    for k in 0..count {
+        type Part = fn(&Complex<f64>) -> f64;
+        let parts: [(&str, Part); 2] = [("re", |one| one.re), ("im", |one| one.im)];
+        for (what, part) in parts {
+            let slopes = found.multipliers.iter().map(|of| part(&of[k]));
+            rows.push((format!("{what} multiplier {}", k + 1), slopes.collect()));
+        }
+    }
+    rows
 }

@@ -2,6 +2,7 @@
 
 use super::arguments::{PreparedRun, RunArguments};
 use super::attractors::family_words;
+use super::derivatives;
 use super::recording::{Recording, Wanted};
 use super::search::SearchArguments;
 use super::trajectory;
@@ -18,6 +19,10 @@ use stickslip_model::study::{extremes, phases_of_period};
 /// transitions.csv, portrait.svg and history.svg of one period.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
+    /// Also report the derivatives of period, state, extremes and multipliers by these parameters:
+    /// orbit_derivatives.csv
+    #[arg(long, value_name = "NAME,...")]
+    derivatives: Option<String>,
     #[command(flatten)]
     search: SearchArguments,
     #[command(flatten)]
@@ -27,13 +32,19 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     arguments
         .run
-        .with_report(|prepared| report(prepared, &arguments.search))
+        .with_report(|prepared| report(prepared, arguments))
 }
 
-fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Failure> {
+fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failure> {
     let PreparedRun {
         system, options, ..
     } = prepared;
+    let search = &arguments.search;
+    // A wrong name is told before the search.
+    let by = arguments.derivatives.as_ref();
+    let by = by
+        .map(|list| derivatives::orbit_variables(system, list))
+        .transpose()?;
     let (orbit, periods) = search.periodic_orbit(system, (prepared.t, &prepared.x), options)?;
     let (x, t_end) = (orbit.x.as_slice(), orbit.t + orbit.period);
     let wanted = Wanted {
@@ -134,6 +145,9 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
         .column("modulus", |&k| multipliers[k].norm())
         .column("uncertainty", |&k| uncertainties[k]);
     report.table(table.csv("multipliers", 0..multipliers.len())?);
+    if let Some(by) = by {
+        derivatives::put_of_orbit(prepared, &orbit, &by, &mut report)?;
+    }
     trajectory::put(system, &recording, &mut report)?;
     Ok(report)
 }

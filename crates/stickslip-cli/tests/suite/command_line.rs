@@ -1413,3 +1413,40 @@ end = 3
         .assert()
         .success();
 }
+
+#[test]
+fn derivatives_of_a_periodic_orbit_are_reported_with_their_table() {
+    let top = folder();
+    let arguments = [
+        "orbit",
+        "den-hartog",
+        "--derivatives",
+        "S,O",
+        "--json",
+        "--out",
+        "orbit",
+    ];
+    let output = program(top.path()).args(arguments).assert().success();
+    let json: serde_json::Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let of = &json["derivatives"];
+    assert_eq!(of["by"], serde_json::json!(["S", "O"]));
+    // The period is that of the drive, 2π/O with O = 0.7.
+    let slope = of["period"][1].as_f64().unwrap();
+    assert!((slope + 2.0 * std::f64::consts::PI / 0.49).abs() < 1e-12);
+    assert_eq!(of["period"][0], 0.0);
+    let most = of["extremes"]["x"][1][0].as_f64().unwrap();
+    let least = of["extremes"]["x"][0][0].as_f64().unwrap();
+    // The orbit is symmetric, and friction takes from its amplitude.
+    assert!((most + least).abs() < 1e-6 && most < 0.0, "{most} {least}");
+    assert_eq!(of["multipliers"]["S"].as_array().unwrap().len(), 2);
+    let table = text(top.path().join("orbit/orbit_derivatives.csv"));
+    assert!(table.starts_with("of,d/dS,d/dO\nperiod,"), "{table}");
+    assert!(table.contains("\nmax x,") && table.contains("\nim multiplier 2,"));
+    program(top.path())
+        .args(["orbit", "den-hartog", "--derivatives", "S,x"])
+        .assert()
+        .code(2)
+        .stderr(contains(
+            "`x` is a state, on which a periodic orbit does not depend",
+        ));
+}

@@ -153,6 +153,21 @@ fn what_is_wrong_is_told_with_the_remedy() {
             "outside its bounds",
         ),
         (
+            vec!["--fit", "mu0", x[0], x[1], "--bounds", "mu0=0.3:0.4"],
+            2,
+            "outside its bounds",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--bounds", "mu0=0.3"],
+            2,
+            "NAME=LOW:HIGH is expected",
+        ),
+        (
+            vec!["--fit", "mu0", x[0], x[1], "--set-in", "1:mu0=0.2"],
+            2,
+            "`mu0` is set to 0.2 in this record and fitted for all",
+        ),
+        (
             vec!["--fit", "mu0", x[0], x[1], "--bounds", "vp=0..1"],
             2,
             "it is not fitted",

@@ -1,13 +1,14 @@
 //! Formulas of what is measured, and names that only these have.
 
 use stickslip::Scalar;
+use stickslip::scalar::Dual;
 
 use super::build;
 use super::builder::Freed;
 use super::names::Meaning;
 use super::{FileError, Formula, Parameter, Source, System, SystemFile};
 use crate::expression::Tape;
-use crate::kernel::Switching;
+use crate::kernel::{HELD_PER_INPUT, Switching};
 
 /// A formula of time, states, inputs and parameters, some of which are variables.
 #[derive(Clone, Debug)]
@@ -97,6 +98,50 @@ impl System {
                 .transpose()
                 .map_err(wrong)?,
         })
+    }
+
+    /// A formula of the parameters `variables` alone, such as one of [`System::free_starts`], at
+    /// their `values`, with its derivative by the parameter `by`.
+    pub fn of_parameters(
+        &self,
+        tape: &Tape,
+        (variables, values): (&[usize], &[f64]),
+        by: Option<usize>,
+    ) -> Dual<f64> {
+        let mut all = vec![Dual::constant(0.0); self.states()];
+        all.extend(variables.iter().zip(values).map(|(variable, value)| {
+            let slope = if by == Some(*variable) { 1.0 } else { 0.0 };
+            Dual::new(*value, slope)
+        }));
+        // Such formulas have no inputs, but tapes have room for them.
+        let room = HELD_PER_INPUT * self.file.inputs.len();
+        all.resize(all.len() + room, Dual::constant(0.0));
+        let mut out = [Dual::constant(0.0)];
+        tape.evaluate(Dual::constant(0.0), &all, &mut out);
+        out[0]
+    }
+
+    /// Derivatives of the period of the drive by the parameters `variables`; none where the file
+    /// has no period.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] with the fault of the formula.
+    pub fn period_derivatives(&self, variables: &[usize]) -> Result<Option<Vec<f64>>, FileError> {
+        let free = Freed::of(variables, false);
+        let Some(formula) = &self.file.time.period else {
+            return Ok(None);
+        };
+        let tape = build::formula(&self.file, &self.values, free, formula);
+        let tape = tape.map_err(|problem| FileError::wrong(problem, self.file.source.clone()))?;
+        let values: Vec<f64> = variables
+            .iter()
+            .map(|&number| self.values[number])
+            .collect();
+        let slope = |by: &usize| {
+            self.of_parameters(&tape, (variables, &values), Some(*by))
+                .eps
+        };
+        Ok(Some(variables.iter().map(slope).collect()))
     }
 
     /// Times that the tables of measured inputs cover; none without tables.

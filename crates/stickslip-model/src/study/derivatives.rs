@@ -29,9 +29,30 @@ pub enum DerivativeError {
     /// The system cannot have these parameters as states.
     #[error(transparent)]
     Setting(#[from] SettingError),
-    /// The run cannot begin.
+    /// The run cannot begin, or an orbit has no derivative.
     #[error(transparent)]
     Run(#[from] Error),
+    /// The period of a drive is a number that may hide a parameter.
+    #[error(
+        "a driven orbit has derivatives where the system gives the period of its drive: add it, as \
+         a formula of the parameters"
+    )]
+    NoPeriod,
+    /// The drive has another period beside the present value of a parameter.
+    #[error(
+        "with `{name}` the drive changes its period, but the period that the system gives stays: \
+         write it as a formula of `{name}`"
+    )]
+    OtherPeriod {
+        /// Name of the parameter.
+        name: String,
+    },
+}
+
+impl NoVariable {
+    pub(super) fn new(words: String) -> Self {
+        NoVariable(words)
+    }
 }
 
 impl Variables {

@@ -8,6 +8,7 @@ mod extremes;
 pub mod fit;
 mod friction;
 pub mod largest;
+mod orbit_derivatives;
 mod phases;
 mod reached;
 mod search;
@@ -24,6 +25,7 @@ pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of}
 pub use extremes::extremes;
 pub use friction::FrictionWatch;
 pub(crate) use friction::negative_at;
+pub use orbit_derivatives::{NoMultiplierDerivatives, OrbitSlopes, OrbitVariables};
 pub use phases::phases_of_period;
 pub use reached::reported;
 pub use search::{BOUND_OF_TIMES, MOST_PERIODS, MOTION_SEARCH_TIME, PeriodicSearch, SearchError};

@@ -424,7 +424,7 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
         base
     };
     type Change = fn(&mut FitRequest);
-    let cases: [(Change, &str); 12] = [
+    let cases: [(Change, &str); 14] = [
         (
             |r| r.unknowns[0].name = "nu".into(),
             "`nu` is neither a parameter nor a state",
@@ -454,6 +454,14 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
         ),
         (|r| r.observables[0].sigma = Some(0.0), "must be positive"),
         (|r| r.search = 5, "has no bounds to search within"),
+        (
+            |r| r.records[0].set = vec![("mu".into(), 0.4)],
+            "`mu` is set to 0.4 in this record and fitted for all",
+        ),
+        (
+            |r| r.segments = 11,
+            "11 segments need 2 rows with a value each, and there are 20: take at most 10",
+        ),
         (
             |r| r.extra = vec![("x".into(), 1.0)],
             "`x` is the name of a state already",
@@ -488,6 +496,83 @@ fn what_cannot_be_fitted_is_refused_with_the_remedy() {
     let mut request = base();
     request.file = table;
     assert!(refused(&request).contains("leaves the table of an input, which covers 0 to 2"));
+}
+
+#[test]
+fn the_committed_intervals_contain_the_truth_as_often_as_they_should() {
+    let table = include_str!("../../examples/fit_coverage/coverage.csv");
+    let mut pooled = std::collections::BTreeMap::<&str, [f64; 2]>::new();
+    for row in table.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().unwrap();
+        assert_eq!((number(2), number(3)), (1000.0, 1000.0), "{row}");
+        let share = number(6) / number(4);
+        assert!((0.925..=0.975).contains(&share), "{row}");
+        let of_level = pooled.entry(cells[1]).or_default();
+        *of_level = [of_level[0] + number(6), of_level[1] + number(4)];
+    }
+    assert_eq!(pooled.len(), 3);
+    for (noise, [contained, intervals]) in pooled {
+        let share = contained / intervals;
+        assert!((0.94..=0.96).contains(&share), "{noise}: {share}");
+    }
+}
+
+#[test]
+fn parts_have_a_value_each_and_pass_over_outliers() {
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let exact = exact(&file, &["x"], &times);
+    let mut columns = noisy(&exact, 0.002, 3);
+    // No value in the middle third, and outliers at both ends.
+    columns[0][20..40].fill(f64::NAN);
+    for row in [3, 11, 44, 52] {
+        columns[0][row] += 0.5;
+    }
+    let mut wanted = request(
+        file,
+        vec![unknown("mu", Some(0.55)), unknown("fall", Some(1.2))],
+        vec![observable("x", None)],
+    );
+    wanted.records.push(record(&times, columns));
+    wanted.segments = 5;
+    let off = |request: &FitRequest| {
+        let found = fit(request).unwrap();
+        assert!(found.values.len() == 2 && found.columns[0].count == 40);
+        (value(&found, "mu") - 0.5).abs() + (value(&found, "fall") - 1.0).abs()
+    };
+    let squares = off(&wanted);
+    wanted.loss = Loss::Huber(1.345);
+    let robust = off(&wanted);
+    assert!(
+        robust < 0.03 && robust < 0.2 * squares,
+        "{robust} {squares}"
+    );
+}
+
+#[test]
+fn the_most_evaluations_are_those_of_all_stages() {
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let columns = noisy(&exact(&file, &["x"], &times), 0.01, 4);
+    let mut wanted = request(
+        file,
+        vec![unknown("mu", Some(0.6)), unknown("fall", Some(1.5))],
+        vec![observable("x", None)],
+    );
+    wanted.records.push(record(&times, columns));
+    let whole = fit(&wanted).unwrap();
+    assert_ne!(whole.end, LeastSquaresEnd::Evaluations);
+    for most in [3, whole.evaluations - 1] {
+        wanted.most_evaluations = most;
+        let found = fit(&wanted).unwrap();
+        assert_eq!(found.evaluations, most);
+        assert_eq!(found.end, LeastSquaresEnd::Evaluations);
+    }
+    // Parts begin with a run for each of their candidates.
+    (wanted.segments, wanted.most_evaluations) = (4, 60);
+    let found = fit(&wanted).unwrap();
+    assert!(found.evaluations <= 61, "{}", found.evaluations);
 }
 
 /// A driven block between two wells, chaotic at these values: its largest exponent is 0.14.

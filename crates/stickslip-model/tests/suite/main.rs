@@ -15,6 +15,7 @@ mod inputs;
 mod instants;
 mod known_answers;
 mod long_formulas;
+mod orbit_derivatives;
 mod orbits;
 mod parse;
 mod pile_ups;

@@ -108,7 +108,11 @@ pub(crate) fn fit<'py>(
 fn raised(error: FitError, system: &CompiledSystem) -> PyErr {
     match &error {
         FitError::Setting(_) | FitError::File(_) => wrong(error),
-        FitError::Start { cause, .. } | FitError::NoDerivatives { cause, .. } => {
+        FitError::Start { cause, .. }
+        | FitError::NoDerivatives { cause, .. }
+        | FitError::Part {
+            cause: Some(cause), ..
+        } => {
             let message = format!("{error}: {}", words(cause, system));
             // The kind, time and state are those of the run's own error.
             let inner = failed(cause, Some(system));
@@ -119,9 +123,10 @@ fn raised(error: FitError, system: &CompiledSystem) -> PyErr {
                 computation(kind.as_deref().unwrap_or("Fit"), &message, Some(cause))
             })
         }
-        FitError::Ends { .. } | FitError::NoStart { .. } | FitError::Interrupted => {
-            computation("Fit", &error.to_string(), None)
-        }
+        FitError::Ends { .. }
+        | FitError::NoStart { .. }
+        | FitError::Part { .. }
+        | FitError::Interrupted => computation("Fit", &error.to_string(), None),
         _ => PyValueError::new_err(error.to_string()),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
@@ -9,10 +10,13 @@ use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::kernel::follow;
-use stickslip_model::study::{PeriodicSearch, SearchError, phases_of_period};
+use stickslip_model::study::{
+    DerivativeError, OrbitSlopes, OrbitVariables, PeriodicSearch, SearchError, extremes,
+    phases_of_period,
+};
 
 use super::Start;
-use crate::errors::{Failure, computation, words};
+use crate::errors::{Failure, computation, failed, words};
 use crate::fields::{Fields, complex};
 use crate::task::{ProgressKind, Report, computed};
 use crate::{Settings, System};
@@ -37,20 +41,25 @@ pub(super) fn approached(
     Ok(search.orbit(system, start, options)?.0)
 }
 
-/// A periodic orbit.
+/// A periodic orbit, with its derivatives by parameters if some are named.
 #[pyfunction]
 pub(crate) fn periodic_orbit<'py>(
     py: Python<'py>,
     system: &System,
     start: Start,
     search: Search,
+    derivatives: Vec<String>,
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (t, x) = start;
+    let (origin, x) = start;
     let (compiled, options) = (&system.compiled, settings.options()?);
+    let by = OrbitVariables::named(compiled, derivatives.iter().map(String::as_str));
+    let by = by.map_err(|error| {
+        PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
+    })?;
     let orbit = computed(py, 1, (&None, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
-        let orbit = approached(&system, (t, &x), search, &options)?;
+        let orbit = approached(&system, (origin, &x), search, &options)?;
         let mut phases = Vec::new();
         let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
             if let OrbitProgress::PhaseEnd(phase) = progress {
@@ -61,9 +70,19 @@ pub(crate) fn periodic_orbit<'py>(
         let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
         let dynamics = system.dynamics();
         follow(dynamics, start, t_end, &options, &[], &mut watcher)?;
-        Ok((orbit, phases_of_period(&**dynamics, &phases)))
+        let (ranges, _) = extremes(dynamics, start, t_end, &options)?;
+        let slopes = match derivatives.is_empty() {
+            true => None,
+            false => Some(by.of_orbit(&system, (&orbit, origin), &options)),
+        };
+        Ok((orbit, phases_of_period(&**dynamics, &phases), ranges, slopes))
     })?;
-    let (orbit, (phases, stick)) = orbit.whole(|error: Failure| error.raised(compiled))?;
+    let (orbit, (phases, stick), ranges, slopes) =
+        orbit.whole(|error: Failure| error.raised(compiled))?;
+    let slopes = slopes.transpose().map_err(|error| match error {
+        DerivativeError::Run(error) => failed(&error, Some(compiled)),
+        error => PyValueError::new_err(error.to_string()),
+    })?;
     // The first multiplier of an autonomous system is trivial.
     let trivial = usize::from(!compiled.built.depends_on_time);
     let all = multipliers(&orbit.monodromy);
@@ -80,7 +99,30 @@ pub(crate) fn periodic_orbit<'py>(
     fields.put("stability", stability.to_string())?;
     fields.put("in_stick", stick / orbit.period)?;
     fields.put("phases", compiled.sequence(&phases))?;
+    fields.numbers("y_min", ranges.iter().map(|range| range.0))?;
+    fields.numbers("y_max", ranges.iter().map(|range| range.1))?;
+    if let Some(slopes) = slopes {
+        fields.fields("derivatives", slope_fields(py, &slopes)?)?;
+    }
     fields.ended(None)
+}
+
+/// Derivatives of a periodic orbit for Python.
+fn slope_fields<'py>(py: Python<'py>, slopes: &OrbitSlopes) -> PyResult<Fields<'py>> {
+    let fields = Fields::new(py);
+    let columns = slopes.names.len();
+    fields.numbers("dperiod", slopes.orbit.period.iter().copied())?;
+    let by_rows = slopes.orbit.x.transpose();
+    fields.array("dy", by_rows.as_slice().to_vec(), [columns])?;
+    for (k, name) in ["dy_min", "dy_max"].into_iter().enumerate() {
+        let of_states = slopes.orbit.extremes.iter().flat_map(|pair| &pair[k].by);
+        fields.array(name, of_states.copied().collect(), [columns])?;
+    }
+    let of_multipliers = slopes.multipliers.iter().map(|of| complex(py, of));
+    fields.texts("dmultipliers", of_multipliers)?;
+    let missing = slopes.missing.iter().flatten();
+    fields.texts("missing", missing.map(ToString::to_string))?;
+    Ok(fields)
 }
 
 /// Returns to the section of the system.

@@ -106,7 +106,29 @@ pub fn orbit_derivatives<Kind>(
         t: t0,
         x: x0.vector(),
     };
-    let system = &*system.dynamics();
+    along_orbit(
+        &*system.dynamics(),
+        start,
+        t_end,
+        (by, times),
+        sections,
+        options,
+    )
+}
+
+/// [`orbit_derivatives`] of a system of run-time size.
+///
+/// # Errors
+/// As [`orbit_derivatives`].
+pub(super) fn along_orbit(
+    system: &dyn Dynamics,
+    start: Moment,
+    t_end: f64,
+    (by, times): (&[Variable], &[f64]),
+    sections: &[Section],
+    options: &Options,
+) -> Result<OrbitDerivatives, Error> {
+    let t0 = start.t;
     let mut orbit = system.begin(&start, t_end, options, sections)?;
     let mut carried = Carried {
         tangent: Tangent::new(system, options),

@@ -34,6 +34,9 @@ pub struct Residuals<P> {
     pub jacobian: Matrix,
     /// The piece on which the residuals are smooth: equal on the same one.
     pub piece: P,
+    /// Number of last residuals that are constraints. [`constrained_least_squares`] makes them
+    /// zero; [`least_squares`] counts them as squares, whatever the loss.
+    pub constraints: usize,
 }
 
 /// What large residuals weigh; a scale is in units of the standard deviation.
@@ -183,7 +186,9 @@ impl<P> Point<P> {
     fn of(x: Vector, at: Residuals<P>, loss: Loss) -> Self {
         let (mut values, mut jacobian) = (at.values.clone(), at.jacobian.clone());
         let mut cost = 0.0;
+        let lossy = values.len().saturating_sub(at.constraints);
         for (k, value) in values.iter_mut().enumerate() {
+            let loss = if k < lossy { loss } else { Loss::Squares };
             let (part, of_value, of_slope) = loss.of(*value);
             cost += part;
             *value *= of_value;
@@ -235,9 +240,22 @@ impl Model {
             .iter()
             .map(|&k| here.jacobian.column(k) / scale[k])
             .collect();
-        if columns.is_empty() {
+        let matrix = match columns[..] {
+            [] => Matrix::zeros(here.values.len(), 0),
+            _ => Matrix::from_columns(&columns),
+        };
+        Model {
+            free,
+            ..Model::of_columns(matrix, &here.values)
+        }
+    }
+
+    /// The model of the squares of `values` with these derivatives, all variables of which move.
+    fn of_columns(matrix: Matrix, values: &Vector) -> Self {
+        let free = (0..matrix.ncols()).collect();
+        if matrix.is_empty() {
             let (singular, along) = (Vector::zeros(0), Vector::zeros(0));
-            let right = Matrix::zeros(0, 0);
+            let right = Matrix::zeros(matrix.ncols(), 0);
             return Model {
                 free,
                 singular,
@@ -245,8 +263,8 @@ impl Model {
                 right,
             };
         }
-        let mut values = here.values.clone();
-        let qr = QR::new(Matrix::from_columns(&columns));
+        let mut values = values.clone();
+        let qr = QR::new(matrix);
         qr.q_tr_mul(&mut values);
         let r = qr.r();
         let svd = SVD::new(r, true, true);
@@ -455,6 +473,9 @@ impl<F> Search<'_, F> {
         let (mut low, mut high) = (0.0, 1.0);
         let (mut before, mut beyond) = (None, there);
         for _ in 0..HALVINGS {
+            if self.evaluations >= self.settings.most_evaluations {
+                break;
+            }
             let middle = 0.5 * (low + high);
             match self.evaluated(&here.x + &way * middle) {
                 Some(point) if point.at.piece == here.at.piece => {
@@ -467,6 +488,9 @@ impl<F> Search<'_, F> {
         (before, beyond)
     }
 }
+
+mod constrained;
+pub use constrained::{constrained_least_squares, null_space};
 
 #[cfg(test)]
 mod tests;

@@ -15,6 +15,7 @@ mod monodromy;
 mod multipliers;
 mod passages;
 mod periodic;
+mod periodic_derivatives;
 mod poincare;
 mod stability;
 mod tangent;
@@ -37,7 +38,8 @@ pub use continuation::{
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
 pub use least_squares::{
-    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals, least_squares,
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
+    constrained_least_squares, least_squares, null_space,
 };
 pub use lyapunov::{
     Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
@@ -49,6 +51,7 @@ pub use periodic::{
     PeriodicOrbit, find_periodic_orbit, multiplier_uncertainties, periodic_orbit,
     periodic_orbit_forced, with_shortest_period,
 };
+pub use periodic_derivatives::{ExtremeDerivatives, PeriodicDerivatives, periodic_derivatives};
 pub use poincare::{PoincareMap, Return};
 pub use stability::Stability;
 pub use tangent::saltation;

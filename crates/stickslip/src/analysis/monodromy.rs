@@ -42,7 +42,8 @@ pub fn monodromy<Kind>(
         t: t0,
         x: x0.vector(),
     };
-    flow_derivative(&*system.dynamics(), &start, t_end, options, false)
+    let found = flow_derivative(&*system.dynamics(), &start, t_end, options, false);
+    found.map(|(monodromy, _)| monodromy)
 }
 
 /// The vector along which a state moves in a mode.
@@ -50,7 +51,7 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
     system.flow(mode, at).velocity(at)
 }
 
-/// The monodromy matrix. An autonomous flow carries its own direction exactly. So that direction is
+/// The monodromy matrix, and the velocity at the end. An autonomous flow carries its own direction exactly. So that direction is
 /// removed from the carried vectors and restored at the end. Otherwise the errors of steps along
 /// the flow would grow without bound near an equilibrium, where an orbit is slow and neighbours
 /// separate fast.
@@ -63,7 +64,7 @@ pub(super) fn flow_derivative(
     t_end: f64,
     options: &Options,
     is_autonomous: bool,
-) -> Result<Monodromy, Error> {
+) -> Result<(Monodromy, Vector), Error> {
     let tangent = Tangent::new(system, options);
     let mut orbit = system.begin(start, t_end, options, &[])?;
     let mut map = TangentMap::identity(system);
@@ -81,11 +82,12 @@ pub(super) fn flow_derivative(
             OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
             OrbitProgress::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
-                return Ok(Monodromy {
+                let monodromy = Monodromy {
                     matrix: map.complete(&velocity),
                     stick_entries: map.stick_entries,
                     summary,
-                });
+                };
+                return Ok((monodromy, velocity));
             }
         }
     }

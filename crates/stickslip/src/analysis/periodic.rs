@@ -385,7 +385,7 @@ fn closed_orbit(
     };
     let is_autonomous = shooting.forced.is_none();
     let t_end = at.t + cycle.period;
-    let period = flow_derivative(system, &at, t_end, options, is_autonomous)?;
+    let (period, _) = flow_derivative(system, &at, t_end, options, is_autonomous)?;
     if period.summary.ending != Ending::EndTime {
         return Err(period.summary.no_future_error());
     }

@@ -38,7 +38,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COLUMN=SIGMA")]
     sigma: Vec<String>,
     /// Bounds of a value that is fitted, within the range in the file; can be repeated
-    #[arg(long, value_name = "NAME=LOW..HIGH")]
+    ///
+    /// An end may be left out for none. LOW..HIGH is the same.
+    #[arg(long, value_name = "NAME=LOW:HIGH")]
     bounds: Vec<String>,
     /// A parameter that only formulas of --observe have, as an offset, and its value
     #[arg(long, value_name = "NAME=VALUE")]
@@ -63,9 +65,11 @@ pub(super) struct Arguments {
     search: usize,
     /// Parts of each record for multiple shooting, with which the search begins: for chaotic or
     /// long records, some periods each
+    ///
+    /// Each part needs two rows with a value. A part without a run ends the fit.
     #[arg(long, value_name = "COUNT", default_value_t = 0)]
     segments: usize,
-    /// Most runs of one search for a minimum
+    /// Most runs of all records from one start, in all stages of the search together
     #[arg(long, value_name = "COUNT", default_value = "500", value_parser = count)]
     most_runs: NonZeroUsize,
     #[command(flatten)]
@@ -99,12 +103,16 @@ fn failure(error: FitError, system: &System) -> Failure {
     match error {
         FitError::Setting(error) => error.into(),
         FitError::File(error) => error.into(),
-        FitError::Start { ref cause, .. } | FitError::NoDerivatives { ref cause, .. } => {
-            Failure::Fit(format!("{error}: {}", in_words(cause, system)))
-        }
-        FitError::NoStart { .. } | FitError::Ends { .. } | FitError::Interrupted => {
-            Failure::Fit(error.to_string())
-        }
+        FitError::Start { ref cause, .. }
+        | FitError::NoDerivatives { ref cause, .. }
+        | FitError::Part {
+            cause: Some(ref cause),
+            ..
+        } => Failure::Fit(format!("{error}: {}", in_words(cause, system))),
+        FitError::NoStart { .. }
+        | FitError::Ends { .. }
+        | FitError::Part { .. }
+        | FitError::Interrupted => Failure::Fit(error.to_string()),
         error => Failure::Usage(error.to_string()),
     }
 }

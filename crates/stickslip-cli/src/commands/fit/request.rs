@@ -57,12 +57,13 @@ fn loss(text: &str) -> Result<Loss, Failure> {
 fn bounds(given: &[String]) -> Result<HashMap<String, (f64, f64)>, Failure> {
     let mut all = HashMap::new();
     for text in parts(given) {
-        let example = "NAME=LOW..HIGH is expected, as in mu0=0..1; leave an end out for none";
+        let example = "NAME=LOW:HIGH is expected, as in mu0=0:1; leave an end out for none";
         let (name, range) = text
             .split_once('=')
             .ok_or_else(|| wrong("--bounds", text, example))?;
         let (low, high) = range
-            .split_once("..")
+            .split_once(':')
+            .or_else(|| range.split_once(".."))
             .ok_or_else(|| wrong("--bounds", text, example))?;
         let end = |text: &str, none: f64| match text.trim() {
             "" => Ok(none),

@@ -117,6 +117,21 @@ pub enum FitError {
         #[source]
         cause: Error,
     },
+    /// A part of a record has no run or no derivatives, in multiple shooting.
+    #[error(
+        "{record}: the part from {} to {} has no run with derivatives in multiple shooting: start \
+            elsewhere, take another number of segments, or leave them out",
+            readable(span.0), readable(span.1)
+    )]
+    Part {
+        /// Name of the record.
+        record: String,
+        /// Start and end of the part.
+        span: (f64, f64),
+        /// Why; none where the run ends before the part does.
+        #[source]
+        cause: Option<Error>,
+    },
     /// No start within the bounds leads to a run.
     #[error("none of {count} starts within the bounds gives a run: narrow the bounds")]
     NoStart {

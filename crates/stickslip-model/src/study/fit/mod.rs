@@ -1,10 +1,17 @@
 //! Parameters, starts and offsets of a system fitted to measured motion.
 
 mod errors;
+mod noise;
+mod parts;
 mod problem;
+mod record_run;
+mod result;
 mod shooting;
+mod starts;
 mod statistics;
 mod uncertainty;
+mod unknowns;
+mod work;
 
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -18,6 +25,7 @@ pub use errors::FitError;
 use problem::{Problem, Sequence};
 pub use statistics::RunsTest;
 pub use uncertainty::Uncertainty;
+use work::Work;
 
 use crate::file::SystemFile;
 
@@ -83,7 +91,8 @@ pub struct FitRequest {
     pub search: usize,
     /// Parts of each record for multiple shooting, before the search; 0 or 1 for none.
     pub segments: usize,
-    /// Most evaluations of one search.
+    /// Most evaluations from one start, all stages of the search together. An evaluation is a run
+    /// of all records.
     pub most_evaluations: usize,
     /// Options of the solver.
     pub options: Options,
@@ -162,9 +171,9 @@ pub struct Fit {
     pub freedom: usize,
     /// Why the search ended.
     pub end: LeastSquaresEnd,
-    /// Steps, evaluations, and those of them that failed.
+    /// Steps, in all stages of the search for this minimum; so are the numbers below.
     pub steps: usize,
-    /// Evaluations in all.
+    /// Evaluations, each of which runs all records.
     pub evaluations: usize,
     /// Evaluations that failed, each of which shortened a step.
     pub failures: usize,
@@ -183,9 +192,6 @@ const MOST_ROUNDS: usize = 20;
 /// Starts of a search from which minima are sought: the best of them. It is chosen.
 const SEARCHED_FROM: usize = 8;
 
-/// Minima closer than this part of the bounds are one.
-const SAME_MINIMUM: f64 = 1e-3;
-
 /// Relative tolerance of the search: some hundred times the error of derivatives.
 const TOLERANCE: f64 = 1e-10;
 
@@ -195,13 +201,14 @@ const TOLERANCE: f64 = 1e-10;
 /// [`FitError`].
 pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
     let mut problem = Problem::new(request)?;
-    let settings = |problem: &Problem| LeastSquaresSettings {
-        bounds: problem.bounds(),
+    let settings = LeastSquaresSettings {
+        bounds: problem.unknowns.bounds(),
         loss: request.loss,
         tolerance: TOLERANCE,
         most_evaluations: request.most_evaluations.max(1),
     };
-    let given = problem.start();
+    let work = Work::of_at_most(settings.most_evaluations);
+    let given = problem.unknowns.start();
     let starts = match request.search {
         0 => {
             problem.check_start(&given)?;
@@ -209,59 +216,47 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         }
         count => problem.best_starts(&given, count, SEARCHED_FROM)?,
     };
-    let mut states = request.file.states.iter();
-    if request.segments > 1
-        && let Some(held) = states.find(|state| state.is_discrete)
-    {
-        return Err(FitError::Request(format!(
-            "{} segments need a start of the discrete state `{}` each, which no derivative gives: \
-             leave segments out",
-            request.segments, held.name
-        )));
-    }
+    problem.check_interrupt()?;
     if request.segments > 1
         && let Some(start) = starts.first()
-        && let Some(shot) = shooting::shot(&problem, start, request.segments)
     {
-        let settings = settings(&problem);
-        let found = in_parts(&mut problem, &settings, shot);
-        problem.check_interrupt()?;
-        return found;
+        return shooting::fit_in_parts(&mut problem, start, &settings, work);
     }
+    let mut minima = minima(&problem, &starts, &settings)?;
+    let others = minima.split_off(1.min(minima.len()));
+    let best = minima.pop().ok_or(FitError::NoData)?;
+    finished(&mut problem, best, &settings, work, others)
+}
+
+/// Distinct minima from some starts, by rising cost.
+fn minima(
+    problem: &Problem<'_>,
+    starts: &[Vector],
+    settings: &LeastSquaresSettings,
+) -> Result<Vec<LeastSquares<Sequence>>, FitError> {
+    let searches = starts.par_iter();
+    let searches = searches.map(|start| least_squares(start, settings, |x| problem.residuals(x)));
+    let searches: Vec<Result<LeastSquares<Sequence>, _>> = searches.collect();
     problem.check_interrupt()?;
-    let minima = |problem: &Problem, starts: &[Vector]| {
-        let settings = settings(problem);
-        let found = starts.par_iter().map(|start| {
-            let found = least_squares(start, &settings, |x| problem.residuals(x));
-            found.map_err(|error| problem.failed(error))
-        });
-        found.collect::<Vec<Result<LeastSquares<Sequence>, FitError>>>()
-    };
-    let mut found = Vec::new();
-    let mut first_error = None;
-    for one in minima(&problem, &starts) {
-        match one {
+    let (mut found, mut first_error) = (Vec::new(), None);
+    for search in searches {
+        match search {
             Ok(one) => found.push(one),
             Err(error) => first_error = first_error.or(Some(error)),
         }
     }
-    problem.check_interrupt()?;
     found.sort_by(|one, other| one.cost.total_cmp(&other.cost));
     let mut distinct: Vec<LeastSquares<Sequence>> = Vec::new();
     for one in found {
-        if !distinct
-            .iter()
-            .any(|known| problem.is_same(&known.x, &one.x))
-        {
+        let is_same = |known: &LeastSquares<Sequence>| problem.unknowns.is_same(&known.x, &one.x);
+        if !distinct.iter().any(is_same) {
             distinct.push(one);
         }
     }
-    let others = distinct.split_off(1.min(distinct.len()));
-    let Some(best) = distinct.pop() else {
-        return Err(first_error.unwrap_or(FitError::NoData));
-    };
-    let settings = settings(&problem);
-    finished(&mut problem, best, &settings, others)
+    match first_error {
+        Some(error) if distinct.is_empty() => Err(problem.failed(error)),
+        _ => Ok(distinct),
+    }
 }
 
 /// Estimates the noise, weighs by it, and describes the minimum.
@@ -269,25 +264,32 @@ fn finished(
     problem: &mut Problem<'_>,
     mut best: LeastSquares<Sequence>,
     settings: &LeastSquaresSettings,
+    mut work: Work,
     others: Vec<LeastSquares<Sequence>>,
 ) -> Result<Fit, FitError> {
+    work.add(&best);
     for _ in 0..MOST_ROUNDS {
         let scales = problem.sigmas.clone();
-        let largest = problem.estimate_sigmas(&best)?;
+        let largest = problem.estimate_sigmas(&best.at.values);
         if scales == problem.sigmas {
             break;
         }
-        let again = least_squares(&best.x, settings, |x| problem.residuals(x));
+        if work.left() == 0 {
+            best.end = LeastSquaresEnd::Evaluations;
+            break;
+        }
+        let settings = LeastSquaresSettings {
+            most_evaluations: work.left(),
+            ..settings.clone()
+        };
+        let again = least_squares(&best.x, &settings, |x| problem.residuals(x));
         let again = again.map_err(|error| problem.failed(error))?;
+        work.add(&again);
         best = LeastSquares {
-            steps: best.steps + again.steps,
-            evaluations: best.evaluations + again.evaluations,
-            failures: best.failures + again.failures,
-            crossings: best.crossings + again.crossings,
-            jumps: best.jumps + again.jumps,
             // The first search has converged, whatever rounding lets the second find.
-            end: match again.steps {
-                0 => best.end,
+            end: match (again.steps, again.end) {
+                (_, LeastSquaresEnd::Evaluations) => again.end,
+                (0, _) => best.end,
                 _ => again.end,
             },
             ..again
@@ -304,46 +306,7 @@ fn finished(
         cost: problem.cost(&one.x).unwrap_or(f64::NAN),
     });
     let others = others.collect();
-    problem.result(best, uncertainty, others)
-}
-
-/// Cost of a single orbit over that of its parts, up to which it is the result. Noise and mismatch
-/// make it differ by less.
-const SINGLE: f64 = 1.05;
-
-/// Cost below which residuals are none: a millionth of the spread of a value.
-const NO_COST: f64 = 1e-12;
-
-/// The result of multiple shooting: a single orbit, or its parts where none follows the record, as
-/// none can where rounding grows beyond the noise.
-fn in_parts(
-    problem: &mut Problem<'_>,
-    settings: &LeastSquaresSettings,
-    (mut parts, mut best): (Problem<'_>, LeastSquares<Sequence>),
-) -> Result<Fit, FitError> {
-    let start = best.x.rows(0, settings.bounds.len()).into_owned();
-    let single = least_squares(&start, settings, |x| problem.residuals(x)).ok();
-    let most = SINGLE * parts.cost_of_data(&best) + NO_COST;
-    let single = single.filter(|single| single.cost <= most);
-    if let Some(single) = single {
-        return finished(problem, single, settings, Vec::new());
-    }
-    for _ in 0..MOST_ROUNDS {
-        let scales = parts.sigmas.clone();
-        let largest = parts.estimate_sigmas(&best)?;
-        if scales == parts.sigmas {
-            break;
-        }
-        match shooting::tightened(&parts, &best.x) {
-            Some(again) => best = again,
-            None => break,
-        }
-        if largest <= SAME_SIGMA {
-            break;
-        }
-    }
-    let uncertainty = Uncertainty::of(&parts, &best);
-    parts.result(best, uncertainty, Vec::new())
+    problem.result(&best, work, uncertainty, others)
 }
 
 /// Values and derivatives of all columns of all records.
@@ -359,6 +322,14 @@ pub(crate) struct Modelled {
     pub(crate) phases: Vec<Vec<(f64, f64, Modes)>>,
     /// Why, and from when on, a record has no derivatives.
     pub(crate) lost: Option<(usize, Error)>,
+}
+
+impl Modelled {
+    /// Modes of the phases of each record.
+    fn sequence(&self) -> Sequence {
+        let modes = |phases: &Vec<(f64, f64, Modes)>| phases.iter().map(|one| one.2).collect();
+        self.phases.iter().map(modes).collect()
+    }
 }
 
 #[cfg(test)]

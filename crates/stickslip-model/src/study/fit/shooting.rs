@@ -1,92 +1,150 @@
-//! Multiple shooting: segments with starts of their own, which are matched more and more tightly.
+//! Multiple shooting: parts with starts of their own, which have to meet.
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals, least_squares,
+    LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
+    constrained_least_squares, least_squares,
 };
 use stickslip::dynamics::Vector;
 
-use super::problem::{Failed, Problem, Sequence};
+use super::parts::Node;
+use super::problem::{Problem, Sequence};
+use super::work::Work;
+use super::{Fit, FitError, Uncertainty, finished};
 
-/// Weights of a mismatch over the spread of the state, from that of data with much noise to one
-/// that leaves a millionth.
-const WEIGHTS: [f64; 7] = [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6];
-
-/// Most evaluations at one weight. It is chosen: the next weight goes on from there.
+/// Most evaluations for the start of a part alone. It is chosen: all parts go on from there.
 const MOST_EVALUATIONS: usize = 40;
 
-/// States along the first run from which a segment may begin.
-const CANDIDATES: usize = 40;
+/// Relative tolerance of the search in parts. It is chosen: a single orbit, where one follows, is
+/// found to that of all fits.
+const TOLERANCE: f64 = 1e-8;
 
-/// Relative tolerance at one weight.
-const TOLERANCE: f64 = 1e-6;
+/// Cost of a single orbit over that of its parts, up to which it is the result. Noise and mismatch
+/// make it differ by less.
+const SINGLE: f64 = 1.05;
 
-/// The minimum of multiple shooting, and its problem (Bock, *Modelling of
-/// Chemical Reaction Systems*, 1981, 102; relaxed as by Ribeiro et al., *Automatica* 121 (2020)
-/// 109158): the record in `segments` parts, each with a start of its own. A mismatch costs more
-/// from stage to stage, until the parts are one orbit.
-///
-/// None where a run of the parts fails, or a discrete state would need a start.
-pub(super) fn shot<'r>(
-    problem: &Problem<'r>,
+/// Cost below which residuals are none: a millionth of the spread of a value.
+const NO_COST: f64 = 1e-12;
+
+/// The result of multiple shooting from a point: a single orbit, or its parts where none follows
+/// the record, as none can where rounding grows beyond the noise.
+pub(super) fn fit_in_parts(
+    problem: &mut Problem<'_>,
     x: &Vector,
-    segments: usize,
-) -> Option<(Problem<'r>, LeastSquares<Sequence>)> {
-    let (mut parts, mut whole) = problem.in_segments(x, segments, CANDIDATES)?;
-    // Each segment alone, with the parameters held.
-    let begun: Vec<(usize, Vector)> = parts
-        .nodes()
-        .into_par_iter()
-        .map(|node| {
-            let (instance, from, candidates) = (node.instance, node.first, node.candidates);
-            let states = candidates.first().map_or(0, Vector::len);
-            let placed = |of: &Vector| {
-                let mut x = whole.clone();
-                x.rows_mut(from, states).copy_from(of);
-                x
-            };
-            let alone = |of: &Vector| parts.of_instance(instance, &placed(of));
-            let cost = |of: &Vector| {
-                let at: Result<Residuals<Sequence>, Failed> = alone(of);
-                at.map_or(f64::INFINITY, |at| at.values.norm_squared())
-            };
-            let rated = candidates.into_iter().map(|of| (cost(&of), of));
-            let best = rated.reduce(|one, other| if other.0 < one.0 { other } else { one });
-            let best = best.map_or_else(|| Vector::zeros(states), |(_, of)| of);
-            let free = vec![(f64::NEG_INFINITY, f64::INFINITY); states];
-            let local = least_squares(&best, &settings(MOST_EVALUATIONS, free), |of| {
-                let mut at = alone(of)?;
-                at.jacobian = at.jacobian.columns(from, states).into_owned();
-                Ok::<_, Failed>(at)
-            });
-            (from, local.map_or(best, |local| local.x))
-        })
-        .collect();
-    for (from, of) in begun {
-        whole.rows_mut(from, of.len()).copy_from(&of);
+    settings: &LeastSquaresSettings,
+    mut work: Work,
+) -> Result<Fit, FitError> {
+    let segments = problem.request.segments;
+    let (mut parts, begun) = problem.in_parts(x, segments)?;
+    let begun = starts_alone(&parts, begun, &mut work);
+    let mut best = matched(&parts, &begun, &mut work)?;
+    let start = best.x.rows(0, problem.unknowns.len()).into_owned();
+    let settings = LeastSquaresSettings {
+        most_evaluations: work.left(),
+        ..settings.clone()
+    };
+    if work.left() == 0 {
+        best.end = LeastSquaresEnd::Evaluations;
+    } else if let Ok(single) = least_squares(&start, &settings, |x| problem.residuals(x)) {
+        work.add(&single);
+        if single.cost <= SINGLE * parts.cost_of_data(&best.at.values) + NO_COST {
+            return finished(problem, single, &settings, work, Vec::new());
+        }
     }
-    let mut last = None;
-    for weight in WEIGHTS {
-        parts.set_weight(weight);
-        let found = tightened(&parts, &whole)?;
-        whole = found.x.clone();
-        last = Some(found);
+    problem.check_interrupt()?;
+    for _ in 0..super::MOST_ROUNDS {
+        let scales = parts.sigmas.clone();
+        let largest = parts.estimate_sigmas(&best.at.values);
+        if scales == parts.sigmas {
+            break;
+        }
+        if work.left() == 0 {
+            best.end = LeastSquaresEnd::Evaluations;
+            break;
+        }
+        best = matched(&parts, &best.x, &mut work)?;
+        if largest <= super::SAME_SIGMA {
+            break;
+        }
     }
-    Some((parts, last?))
+    let uncertainty = Uncertainty::of(&parts, &best);
+    parts.result(&best, work, uncertainty, Vec::new())
 }
 
-/// The minimum near a point at the present weight.
-pub(super) fn tightened(parts: &Problem<'_>, x: &Vector) -> Option<LeastSquares<Sequence>> {
-    let settings = settings(MOST_EVALUATIONS, parts.bounds());
-    let found = least_squares(x, &settings, |x| parts.residuals(x)).ok();
-    found.filter(|found| found.end != LeastSquaresEnd::NotFinite)
+/// The point with the start of each part fitted alone, with the parameters held: from the best of
+/// its candidates.
+fn starts_alone(parts: &Problem<'_>, mut x: Vector, work: &mut Work) -> Vector {
+    let nodes = parts.parts.as_ref().map_or(&[][..], |parts| &parts.nodes);
+    let most = work.left();
+    let alone = nodes
+        .par_iter()
+        .map(|node| start_alone(parts, &x, node, most));
+    let alone: Vec<(Vector, usize)> = alone.collect();
+    let runs: usize = alone.iter().map(|(_, runs)| runs).sum();
+    // All parts together are a run.
+    work.evaluations += runs.div_ceil(nodes.len().max(1));
+    for (node, (start, _)) in nodes.iter().zip(alone) {
+        x.rows_mut(node.first, start.len()).copy_from(&start);
+    }
+    x
 }
 
-fn settings(count: usize, bounds: Vec<(f64, f64)>) -> LeastSquaresSettings {
+/// The best start of a part with the parameters held, and the number of its runs. After those of
+/// the candidates there are at most so many.
+fn start_alone(parts: &Problem<'_>, x: &Vector, node: &Node, most: usize) -> (Vector, usize) {
+    let states = node.candidates.first().map_or(0, Vector::len);
+    let residuals = |start: &Vector| {
+        let mut x = x.clone();
+        x.rows_mut(node.first, states).copy_from(start);
+        parts.of_part(node, &x)
+    };
+    let cost = |start: &Vector| {
+        let loss = parts.request.loss;
+        let sum = |at: Residuals<Sequence>| at.values.iter().map(|r| loss.of(*r).0).sum();
+        residuals(start).map_or(f64::INFINITY, sum)
+    };
+    let rated = node.candidates.iter().map(|start| (cost(start), start));
+    let best = rated.reduce(|one, other| if other.0 < one.0 { other } else { one });
+    let best = best.map_or_else(|| Vector::zeros(states), |(_, start)| start.clone());
+    let tried = node.candidates.len();
+    let left = most.saturating_sub(tried).max(1);
+    let settings = LeastSquaresSettings {
+        bounds: vec![(f64::NEG_INFINITY, f64::INFINITY); states],
+        ..settings(parts.request.loss, MOST_EVALUATIONS.min(left))
+    };
+    match least_squares(&best, &settings, residuals) {
+        Ok(found) => (found.x, tried + found.evaluations),
+        Err(_) => (best, tried + 1),
+    }
+}
+
+/// The minimum of multiple shooting near a point, at which the parts meet (Bock, *Modelling of
+/// Chemical Reaction Systems*, 1981, 102).
+pub(super) fn matched(
+    parts: &Problem<'_>,
+    x: &Vector,
+    work: &mut Work,
+) -> Result<LeastSquares<Sequence>, FitError> {
+    let settings = LeastSquaresSettings {
+        bounds: parts.unknowns.bounds(),
+        ..settings(parts.request.loss, work.left().max(1))
+    };
+    let found = constrained_least_squares(x, &settings, |x| parts.residuals(x));
+    let found = found.map_err(|error| parts.failed(error));
+    parts.check_interrupt()?;
+    let found = found?;
+    work.add(&found);
+    match found.end {
+        LeastSquaresEnd::NotFinite => Err(parts.lost(&found.x)),
+        _ => Ok(found),
+    }
+}
+
+fn settings(loss: Loss, most_evaluations: usize) -> LeastSquaresSettings {
     LeastSquaresSettings {
-        bounds,
-        loss: Loss::Squares,
+        bounds: Vec::new(),
+        loss,
         tolerance: TOLERANCE,
-        most_evaluations: count,
+        most_evaluations,
     }
 }

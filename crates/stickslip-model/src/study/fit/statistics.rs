@@ -51,11 +51,11 @@ pub(super) fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
 }
 
 /// The quantile 0.975 of Student's distribution (Abramowitz and Stegun 26.7.5; below 1e-3 from
-/// three degrees of freedom on), or of the normal one without degrees.
+/// four degrees of freedom on), or of the normal one without degrees.
 pub(super) fn quantile(freedom: Option<usize>) -> f64 {
     const Z: f64 = 1.959_963_984_540_054;
     // The expansion is of no use below.
-    const SMALL: [f64; 2] = [12.706_204_7, 4.302_652_7];
+    const SMALL: [f64; 3] = [12.706_204_7, 4.302_652_7, 3.182_446_3];
     let Some(freedom) = freedom else {
         return Z;
     };

@@ -96,7 +96,7 @@ fn derivatives_of_residuals_are_differences_of_runs() {
     for names in names {
         let request = request(names);
         let problem = Problem::new(&request).unwrap();
-        let x = problem.start();
+        let x = problem.unknowns.start();
         let Ok(at) = problem.modelled(&x) else {
             panic!("the run fails");
         };
@@ -120,12 +120,47 @@ fn derivatives_of_residuals_are_differences_of_runs() {
                 / (12.0 * STEP);
             let off = (&difference - at.jacobian.column(k)).amax();
             let size = difference.amax();
-            assert!(size > 1e-3, "{}", problem.name(k));
+            assert!(size > 1e-3, "{}", problem.unknowns.name(k));
             assert!(
                 off < 3e-6 * (1.0 + size),
                 "{}: {off} of {size}",
-                problem.name(k)
+                problem.unknowns.name(k)
             );
         }
     }
+}
+
+#[test]
+fn a_part_without_a_run_is_named() {
+    // From 10 on the state escapes within a tenth of the time unit.
+    let text = "name = \"case\"\n[states]\nx = \"\"\n[parameters]\na = 1\n[field]\n\
+                x = \"-a*x + 0.1*x*x\"\n[start]\nx = 1\n";
+    let (name, text) = ("system.toml".to_owned(), text.to_owned());
+    let mut request = request(&["a"]);
+    request.file = SystemFile::parse(Source { name, text }).unwrap();
+    request.extra.clear();
+    request.observables = vec![Observable {
+        name: "x".to_owned(),
+        formula: "x".to_owned(),
+        sigma: Some(0.1),
+    }];
+    request.records.truncate(1);
+    request.records[0].columns.truncate(1);
+    request.segments = 3;
+    let problem = Problem::new(&request).unwrap();
+    let (parts, mut x) = problem.in_parts(&problem.unknowns.start(), 3).unwrap();
+    let mut work = Work::of_at_most(20);
+    assert!(shooting::matched(&parts, &x, &mut work).is_ok());
+    let last = x.len() - 1;
+    x[last] = 1e6;
+    let Err(error) = shooting::matched(&parts, &x, &mut work) else {
+        panic!("the last part runs");
+    };
+    let FitError::Part { span, cause, .. } = &error else {
+        panic!("{error}");
+    };
+    let times = &request.records[0].times;
+    assert_eq!(*span, (times[19], times[29]));
+    assert!(cause.is_some());
+    assert!(error.to_string().contains("another number of segments"));
 }

@@ -1,6 +1,6 @@
 //! Standard errors, correlations, and what the data do not determine.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss};
+use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss, null_space};
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::nalgebra::{QR, SVD};
 
@@ -69,13 +69,13 @@ impl Uncertainty {
         };
         let rows = at.residuals.len();
         if problem.is_estimated() {
-            own.quantile = quantile(Some(rows.saturating_sub(count)));
+            own.quantile = quantile(Some(problem.freedom(&at.residuals)));
         }
         if at.jacobian.iter().any(|slope| !slope.is_finite()) {
             own.none = Some("the run has no derivatives there");
             return own;
         }
-        let bounds = problem.bounds();
+        let bounds = problem.unknowns.bounds();
         let is_inside = |&k: &usize| best.x[k] > bounds[k].0 && best.x[k] < bounds[k].1;
         let inside: Vec<usize> = (0..count).filter(is_inside).collect();
         if inside.is_empty() {
@@ -91,7 +91,16 @@ impl Uncertainty {
             .zip(&scales)
             .map(|(&k, scale)| at.jacobian.column(k) / *scale)
             .collect();
-        let svd = SVD::new(QR::new(Matrix::from_columns(&columns)).r(), false, true);
+        let columns = Matrix::from_columns(&columns);
+        let count_of_data = rows - problem.mismatches();
+        // Parts that meet leave these directions.
+        let basis = null_space(&columns.rows_range(count_of_data..).into_owned());
+        let of_data = columns.rows(0, count_of_data) * &basis;
+        if of_data.is_empty() {
+            own.none = Some("the parts leave nothing to the data");
+            return own;
+        }
+        let svd = SVD::new(QR::new(of_data).r(), false, true);
         let (singular, Some(right)) = (svd.singular_values, svd.v_t) else {
             own.none = Some("its derivatives have no singular values");
             return own;
@@ -99,10 +108,12 @@ impl Uncertainty {
         let least = singular.amax()
             * (ERROR_OF_DERIVATIVES * problem.tolerance() + f64::EPSILON * rows as f64);
         // Of each direction, the change of the unknowns by one standard deviation.
-        let factor = variance_factor(problem.loss(), &at.residuals, count).sqrt();
+        let data = problem.of_data(&at.residuals);
+        let freedom = problem.freedom(&at.residuals);
+        let factor = variance_factor(problem.loss(), &data, freedom).sqrt();
         let mut directions: Vec<Vector> = Vec::new();
         let mut is_open = vec![false; inside.len()];
-        for (s, row) in singular.iter().zip(right.row_iter()) {
+        for (s, row) in singular.iter().zip((right * basis.transpose()).row_iter()) {
             if *s > least {
                 let parts = row
                     .iter()
@@ -124,15 +135,15 @@ impl Uncertainty {
             for ((part, &k), open) in relative.iter().zip(&inside).zip(&mut is_open) {
                 let part = part / most;
                 // Less is rounding of the singular vectors.
-                if part.abs() > 1e-6 && !problem.name(k).is_empty() {
-                    named.push((problem.name(k).to_owned(), part));
+                if part.abs() > 1e-6 && !problem.unknowns.name(k).is_empty() {
+                    named.push((problem.unknowns.name(k).to_owned(), part));
                     *open = true;
                 }
             }
             own.undetermined.push(named);
         }
         // Parts follow a record that no orbit does; each direction would take a run of all.
-        if !problem.is_in_parts() {
+        if !problem.parts.is_some() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
         if best.end == LeastSquaresEnd::Change {
@@ -162,7 +173,7 @@ impl Uncertainty {
         (best, at): (&LeastSquares<Sequence>, &Modelled),
         (inside, directions): (&[usize], &[Vector]),
     ) {
-        let bounds = problem.bounds();
+        let bounds = problem.unknowns.bounds();
         let rounding = ERROR_OF_DERIVATIVES * problem.tolerance() * {
             let values = at
                 .values
@@ -171,11 +182,7 @@ impl Uncertainty {
             let sizes = values.flat_map(|(values, sigma)| values.iter().map(move |v| v / sigma));
             sizes.map(|size| size * size).sum::<f64>().sqrt()
         };
-        let sequence = |at: &Modelled| -> Sequence {
-            let modes = |phases: &Vec<(f64, f64, _)>| phases.iter().map(|one| one.2).collect();
-            at.phases.iter().map(modes).collect()
-        };
-        let here = sequence(at);
+        let here = at.sequence();
         for direction in directions {
             for sign in [-1.0, 1.0] {
                 let mut step = Vector::zeros(best.x.len());
@@ -200,8 +207,8 @@ impl Uncertainty {
                 let change = &there.residuals - &at.residuals;
                 let bend = (&change - &linear).norm() / linear.norm();
                 self.bend = Some(self.bend.map_or(bend, |known| known.max(bend)));
-                if sequence(&there) != here {
-                    let left = jump_on_the_way(problem, (&best.x, at), (&step, there), &sequence);
+                if there.sequence() != here {
+                    let left = jump_on_the_way(problem, (&best.x, at), (&step, there));
                     if left.is_none_or(|left| left > JUMP * linear.norm()) {
                         self.none = Some(
                             "within one standard error the sequence of phases changes, and what \
@@ -221,14 +228,13 @@ fn jump_on_the_way(
     problem: &Problem<'_>,
     (x, at): (&Vector, &Modelled),
     (step, there): (&Vector, Modelled),
-    sequence: &impl Fn(&Modelled) -> Sequence,
 ) -> Option<f64> {
     let (mut low, mut high) = (0.0, 1.0);
     let (mut before, mut beyond) = (at.clone(), there);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
         let now = problem.modelled(&(x + step * middle)).ok()?;
-        if sequence(&now) == sequence(at) {
+        if now.sequence() == at.sequence() {
             (low, before) = (middle, now);
         } else {
             (high, beyond) = (middle, now);
@@ -239,7 +245,7 @@ fn jump_on_the_way(
 
 /// Variance of the estimate over that of squares with known deviations (Huber, *Robust Statistics*,
 /// 1981, section 7.6).
-fn variance_factor(loss: Loss, residuals: &Vector, unknowns: usize) -> f64 {
+fn variance_factor(loss: Loss, residuals: &Vector, freedom: usize) -> f64 {
     if loss == Loss::Squares {
         return 1.0;
     }
@@ -251,5 +257,5 @@ fn variance_factor(loss: Loss, residuals: &Vector, unknowns: usize) -> f64 {
         slopes += slope;
     }
     let slope = slopes / count;
-    squares / (count - unknowns as f64) / (slope * slope)
+    squares / freedom as f64 / (slope * slope)
 }

@@ -36,6 +36,7 @@ fn on_duals<'f>(
             values: Vector::from_fn(rows, |i, _| columns[0][i].re),
             jacobian: Matrix::from_fn(rows, x.len(), |i, k| columns[k][i].eps),
             piece: (),
+            constraints: 0,
         })
     }
 }
@@ -235,6 +236,48 @@ fn robust_losses_pass_over_an_outlier() {
 }
 
 #[test]
+fn constraints_count_as_squares_under_any_loss() {
+    // One value, at 3 by a residual that counts as a square, and at 0 by one that the loss holds.
+    let both = |constraints: usize| {
+        move |x: &Vector| {
+            Ok::<_, Infallible>(Residuals {
+                values: Vector::from_vec(vec![x[0], x[0] - 3.0]),
+                jacobian: Matrix::from_element(2, 1, 1.0),
+                piece: (),
+                constraints,
+            })
+        }
+    };
+    let settings = LeastSquaresSettings {
+        loss: Loss::Huber(0.5),
+        ..unbounded(1)
+    };
+    let start = Vector::from_element(1, 1.0);
+    // The force of the first is 0.5 there: x - 3 = -0.5.
+    let Ok(found) = least_squares(&start, &settings, both(1));
+    // The search ends where the cost stays to thirteen digits.
+    assert!((found.x[0] - 2.5).abs() < 1e-6, "{}", found.x);
+    assert!((found.cost - (0.125 + 0.5 * (2.5 - 0.25))).abs() < 1e-12);
+    let Ok(found) = least_squares(&start, &settings, both(2));
+    assert!((found.x[0] - 1.5).abs() < 1e-12, "{}", found.x);
+}
+
+#[test]
+fn without_residuals_the_start_is_a_minimum() {
+    let none = |x: &Vector| {
+        Ok::<_, Infallible>(Residuals {
+            values: Vector::zeros(0),
+            jacobian: Matrix::zeros(0, x.len()),
+            piece: (),
+            constraints: 0,
+        })
+    };
+    let start = Vector::from_element(1, 1.0);
+    let Ok(found) = least_squares(&start, &unbounded(1), none);
+    assert_eq!((found.x, found.cost), (start, 0.0));
+}
+
+#[test]
 fn failures_shorten_steps_and_are_counted() {
     // The logarithm has no value where the first step of the residual's line leads.
     let of = |x: &Vector| match x[0] > 0.0 {
@@ -242,6 +285,7 @@ fn failures_shorten_steps_and_are_counted() {
             values: Vector::from_vec(vec![crate::math::ln(x[0])]),
             jacobian: Matrix::from_element(1, 1, 1.0 / x[0]),
             piece: (),
+            constraints: 0,
         }),
         false => Err("no logarithm"),
     };
@@ -263,6 +307,7 @@ fn in_pieces(
             values: Vector::from_vec(vec![a, b]),
             jacobian: Matrix::from_column_slice(2, 1, &[of_a, of_b]),
             piece: x[0] > 1.0,
+            constraints: 0,
         })
     }
 }
@@ -294,4 +339,92 @@ fn a_minimum_on_a_kink_is_one_and_a_jump_is_counted() {
     let Ok(found) = least_squares(&start, &unbounded(1), jump);
     assert!(found.x[0] <= 1.0 && found.x[0] > 1.0 - 1e-6 || found.x[0] > 7.0);
     assert!(found.jumps > 0 || found.x[0] > 7.0, "{found:?}");
+}
+
+#[test]
+fn constraints_are_zero_at_the_minimum() {
+    // The point of the parabola y = x² next to (3, 0) has 2x³ + x = 3: it is (1, 1).
+    let of = |x: &Vector| {
+        Ok::<_, Infallible>(Residuals {
+            values: Vector::from_vec(vec![x[0] - 3.0, x[1], x[1] - x[0] * x[0]]),
+            jacobian: Matrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, -2.0 * x[0], 1.0]),
+            piece: (),
+            constraints: 1,
+        })
+    };
+    for start in [[0.0, 0.0], [5.0, -3.0], [2.0, 40.0]] {
+        let start = Vector::from_vec(start.to_vec());
+        let Ok(found) = constrained_least_squares(&start, &unbounded(2), of);
+        let off = (&found.x - Vector::from_vec(vec![1.0, 1.0])).amax();
+        assert!(off < 1e-6, "{start}: {}, {:?}", found.x, found.end);
+        assert!(found.at.values[2].abs() < 1e-9);
+    }
+    // With x ≤ 0.8 it is (0.8, 0.64).
+    let mut settings = unbounded(2);
+    settings.bounds[0].1 = 0.8;
+    let start = Vector::from_vec(vec![-0.5, 2.0]);
+    let Ok(found) = constrained_least_squares(&start, &settings, of);
+    assert!((found.x[0] - 0.8).abs() < 1e-12, "{}", found.x);
+    assert!((found.x[1] - 0.64).abs() < 1e-8, "{}", found.x);
+}
+
+#[test]
+fn a_chaotic_series_is_followed_by_its_parameter() {
+    // Each value of a logistic map is an unknown, and the map a constraint. No single orbit of 60
+    // values can be followed from its start: errors double each time.
+    const COUNT: usize = 60;
+    let truth = 3.9;
+    let mut exact = vec![0.3];
+    for k in 1..COUNT {
+        let x: f64 = exact[k - 1];
+        exact.push(truth * x * (1.0 - x));
+    }
+    let random = &mut numerics::SplitMix::new(7);
+    let data: Vec<f64> = exact
+        .iter()
+        .map(|x| x + random.between(-0.01, 0.01))
+        .collect();
+    let of = |x: &Vector| {
+        let mut values = Vector::zeros(2 * COUNT - 1);
+        let mut jacobian = Matrix::zeros(2 * COUNT - 1, COUNT + 1);
+        for k in 0..COUNT {
+            values[k] = (x[k] - data[k]) / 0.006;
+            jacobian[(k, k)] = 1.0 / 0.006;
+        }
+        for k in 1..COUNT {
+            let (row, before) = (COUNT + k - 1, x[k - 1]);
+            values[row] = x[COUNT] * before * (1.0 - before) - x[k];
+            jacobian[(row, k - 1)] = x[COUNT] * (1.0 - 2.0 * before);
+            jacobian[(row, k)] = -1.0;
+            jacobian[(row, COUNT)] = before * (1.0 - before);
+        }
+        Ok::<_, Infallible>(Residuals {
+            values,
+            jacobian,
+            piece: (),
+            constraints: COUNT - 1,
+        })
+    };
+    let start = Vector::from_iterator(COUNT + 1, data.iter().copied().chain([3.2]));
+    let Ok(found) = constrained_least_squares(&start, &unbounded(COUNT + 1), of);
+    assert!(
+        (found.x[COUNT] - truth).abs() < 1e-3,
+        "{} {:?}",
+        found.x[COUNT],
+        found.end
+    );
+    let gaps = found.at.values.rows(COUNT, COUNT - 1).amax();
+    assert!(gaps < 1e-9, "{gaps}");
+    assert!(found.evaluations < 60, "{}", found.evaluations);
+}
+
+#[test]
+fn a_null_space_is_that_of_its_matrix() {
+    let matrix = Matrix::from_row_slice(2, 4, &[1.0, 2.0, 0.0, -1.0, 0.0, 1.0, 3.0, 1.0]);
+    let found = null_space(&matrix);
+    assert_eq!(found.shape(), (4, 2));
+    assert!((&matrix * &found).amax() < 1e-14);
+    let identity = found.tr_mul(&found);
+    assert!((identity - Matrix::identity(2, 2)).amax() < 1e-14);
+    assert_eq!(null_space(&Matrix::zeros(0, 3)), Matrix::identity(3, 3));
 }

@@ -1,0 +1,122 @@
+//! What a fit reports of a minimum.
+
+use stickslip::analysis::LeastSquares;
+
+use super::problem::{Problem, Sequence};
+use super::statistics::runs_test;
+use super::uncertainty::Uncertainty;
+use super::work::Work;
+use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
+
+/// Error of a run over its tolerance, below which signs of residuals say nothing.
+const ROUNDING: f64 = 1e3;
+
+impl Problem<'_> {
+    pub(super) fn result(
+        &self,
+        best: &LeastSquares<Sequence>,
+        work: Work,
+        uncertainty: Uncertainty,
+        others: Vec<OtherMinimum>,
+    ) -> Result<Fit, FitError> {
+        let parts = self.modelled(&best.x).map_err(|error| self.failed(error))?;
+        let residuals = parts.residuals.clone();
+        let at = self.joined(parts);
+        let mut columns = Vec::new();
+        for (number, (record, values)) in self.request.records.iter().zip(&at.values).enumerate() {
+            for (observable, (data, model)) in record.columns.iter().zip(values).enumerate() {
+                columns.push(self.column((number, observable), data, model));
+            }
+        }
+        // The starts of parts are no results.
+        let unknowns = self.unknowns.0.iter();
+        let named = unknowns.filter(|one| !one.name.is_empty()).enumerate();
+        let values = named.map(|(k, one)| {
+            let value = best.x[k];
+            let std_error = uncertainty.std_errors.get(k).copied().flatten();
+            let half = std_error.map(|error| error * uncertainty.quantile);
+            FittedValue {
+                name: one.name.clone(),
+                start: one.start,
+                value,
+                bounds: one.bounds,
+                is_at_bound: value <= one.bounds.0 || value >= one.bounds.1,
+                std_error,
+                interval: half.map(|half| (value - half, value + half)),
+            }
+        });
+        let records = self.request.records.iter();
+        Ok(Fit {
+            values: values.collect(),
+            columns,
+            phases: at.phases,
+            times: records.map(|record| record.times.clone()).collect(),
+            cost: self.cost_of_data(&residuals),
+            mismatch: self.largest_mismatch(&residuals),
+            freedom: self.freedom(&residuals),
+            end: best.end,
+            steps: work.steps,
+            evaluations: work.evaluations,
+            failures: work.failures,
+            crossings: work.crossings,
+            jumps: work.jumps,
+            others,
+            uncertainty,
+        })
+    }
+
+    /// One column of a record, by the numbers of both.
+    fn column(
+        &self,
+        (record, observable): (usize, usize),
+        data: &[f64],
+        model: &[f64],
+    ) -> FittedColumn {
+        let pairs = data.iter().zip(model);
+        let residuals: Vec<f64> = pairs.map(|(data, model)| data - model).collect();
+        let known: Vec<f64> = residuals.iter().copied().filter(|r| !r.is_nan()).collect();
+        let squares: f64 = known.iter().map(|r| r * r).sum();
+        let rms = (squares / known.len().max(1) as f64).sqrt();
+        let scale = model
+            .iter()
+            .fold(0.0, |most: f64, value| most.max(value.abs()));
+        let is_rounding = rms <= ROUNDING * self.request.options.rtol * scale;
+        FittedColumn {
+            record,
+            observable,
+            model: model.to_vec(),
+            runs: runs_test(&known).filter(|_| !is_rounding),
+            residuals,
+            count: known.len(),
+            rms,
+            sigma: self.sigmas[observable],
+        }
+    }
+
+    /// What was modelled in parts, by records.
+    fn joined(&self, at: Modelled) -> Modelled {
+        let Some(parts) = &self.parts else {
+            return at;
+        };
+        let (mut values, mut phases): (Vec<Vec<Vec<f64>>>, Vec<Vec<_>>) = Default::default();
+        for (part, (columns, of_part)) in at.values.into_iter().zip(at.phases).enumerate() {
+            match (values.last_mut(), phases.last_mut()) {
+                (Some(known), Some(whole)) if parts.continues(part) => {
+                    for (known, column) in known.iter_mut().zip(columns) {
+                        known.extend(column);
+                    }
+                    whole.extend(of_part);
+                }
+                _ => {
+                    values.push(columns);
+                    phases.push(of_part);
+                }
+            }
+        }
+        Modelled {
+            values,
+            phases,
+            ..at
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The work of the searches for one minimum, all stages together.
+
+use stickslip::analysis::LeastSquares;
+
+/// Steps and evaluations so far, of which there is a greatest number.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Work {
+    most: usize,
+    pub(super) steps: usize,
+    pub(super) evaluations: usize,
+    pub(super) failures: usize,
+    pub(super) crossings: usize,
+    pub(super) jumps: usize,
+}
+
+impl Work {
+    /// None, of at most so many evaluations.
+    pub(super) fn of_at_most(most: usize) -> Self {
+        Work {
+            most,
+            ..Work::default()
+        }
+    }
+
+    /// Evaluations that are left.
+    pub(super) fn left(&self) -> usize {
+        self.most.saturating_sub(self.evaluations)
+    }
+
+    pub(super) fn add<P>(&mut self, search: &LeastSquares<P>) {
+        self.steps += search.steps;
+        self.evaluations += search.evaluations;
+        self.failures += search.failures;
+        self.crossings += search.crossings;
+        self.jumps += search.jumps;
+    }
+}
