@@ -39,6 +39,7 @@ fn report(prepared: &PreparedRun, search: &SearchArguments) -> Result<Report, Fa
     let wanted = Wanted {
         figures: true,
         steps: false,
+        progress: true,
     };
     let (recording, outcome) = Recording::of(system, (orbit.t, x), t_end, options, wanted, None);
     outcome?;
