@@ -69,6 +69,11 @@ class Expression:
     def __repr__(self) -> str:
         return self.text
 
+    def _repr_latex_(self) -> str:
+        from ._latex import latex
+
+        return f"${latex(self.text)}$"
+
     def __add__(self, other: Any) -> Expression:
         return _binary(self, "+", other, _SUM)
 
@@ -176,6 +181,8 @@ class Expression:
 
     def __array_function__(self, function: Any, types: Any, of: Any, options: Any) -> Any:
         name = getattr(function, "__name__", str(function))
+        if name in _FUNCTIONS and not options:
+            return _call(_FUNCTIONS[name], *of)
         raise TypeError(f"np.{name} of a formula: {_INSTEAD.get(name, _KNOWN)}")
 
 
@@ -192,12 +199,16 @@ _FUNCTIONS = {
     "sin": "sin",
     "cos": "cos",
     "tan": "tan",
+    "arcsin": "asin",
+    "arccos": "acos",
     "arctan": "atan",
     "sinh": "sinh",
     "cosh": "cosh",
     "tanh": "tanh",
     "exp": "exp",
     "log": "ln",
+    "log10": "log10",
+    "hypot": "hypot",
     "sqrt": "sqrt",
     "absolute": "abs",
     "fabs": "abs",
@@ -205,6 +216,7 @@ _FUNCTIONS = {
     "minimum": "min",
     "fmax": "max",
     "fmin": "min",
+    "clip": "clamp",
 }
 
 # Functions that are composed of others, exact up to rounding.
@@ -214,8 +226,8 @@ _COMPOSED: dict[str, Callable[..., Expression]] = {
     "conjugate": lambda x: x,
     "square": lambda x: x**2,
     "reciprocal": lambda x: 1 / x,
-    "hypot": lambda x, y: _call("sqrt", x**2 + y**2),
-    "log10": lambda x: _call("ln", x) / _call("ln", 10),
+    # Half the angle, which has no branch but on the negative axis itself.
+    "arctan2": lambda y, x: 2 * _call("atan", y / (_call("hypot", x, y) + x)),
     "log2": lambda x: _call("ln", x) / _call("ln", 2),
     "exp2": lambda x: _call("exp", x * _call("ln", 2)),
     **dict.fromkeys(["deg2rad", "radians"], lambda x: x * (pi / 180)),
@@ -238,16 +250,12 @@ _INSTEAD = {
         ["sum", "prod", "mean", "dot", "matmul"],
         "it takes a list of symbols, as np.sum([x, v]) and K @ [x, v]",
     ),
-    "clip": "write np.minimum(np.maximum(x, low), high)",
     "interp": "a table of time is ss.table",
     "bitwise_xor": "a power is x**2",
     "cbrt": "write x**(1/3), for x > 0",
     "sinc": "write np.sin(np.pi*x) / (np.pi*x); it has no value at 0",
     "expm1": "write np.exp(x) - 1; near 0 it has few digits",
     "log1p": "write np.log(1 + x); near 0 it has few digits",
-    "arcsin": "write 2*np.arctan(x / (1 + np.sqrt((1 - x)*(1 + x))))",
-    "arccos": "write 2*np.arctan(np.sqrt((1 - x) / (1 + x)))",
-    "arctan2": "write np.arctan(y / x) for x > 0, or let the angle be a state",
     "arcsinh": "write np.log(x + np.sqrt(x**2 + 1)); for x < 0 it has few digits",
     "arccosh": "write np.log(x + np.sqrt(x**2 - 1))",
     "arctanh": "write np.log((1 + x) / (1 - x)) / 2",
