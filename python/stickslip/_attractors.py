@@ -196,8 +196,10 @@ class Basins(Result):
         columns = self.reached.shape[1] if self._is_grid() else None
         if (done < 0).any():
             done, columns = done[done >= 0], None
-        of = lambda k: _core.share_error(done.tolist(), columns, k)
-        return np.array([of(k) if len(done) else np.nan for k in range(len(self.kind))])
+        if not len(done):
+            return np.full(len(self.kind), np.nan)
+        reached = done.tolist()
+        return np.array([_core.share_error(reached, columns, k) for k in range(len(self.kind))])
 
     def _is_grid(self) -> bool:
         """Whether the starts are an even grid over two states, along the axes of the array."""

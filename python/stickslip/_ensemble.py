@@ -187,6 +187,11 @@ def _values(
     return list(columns), np.array(rows, dtype=np.float64).reshape(len(rows), count).T.copy()
 
 
+def _start(system: System, own: dict[str, float]) -> list[float]:
+    """The start of the system with these values of parameters."""
+    return state(system.with_parameters(own) if own else system, None)
+
+
 def _times(t_eval: ArrayLike | None, t0: float, t_end: float) -> Floats:
     if t_eval is None:
         return np.array([t_end])
@@ -326,7 +331,7 @@ def ensemble(
     ((2, 2, 1), array([-1., -2.]))
     >>> found = ss.ensemble(spring, [1.0, 0.0], (0, 10), events=v, parameters={k: [1, 4]})
     >>> [len(times) for times in found.t_events[0]]
-    [4, 7]
+    [3, 6]
     """
     t0, t_end = pair(t_span, "t_span", "the orbits go forwards")
     made = settings(options)
@@ -334,8 +339,7 @@ def ensemble(
     names, values = _values(checked(system), parameters, None if rows is None else len(rows))
     each = [dict(zip(names, row)) for row in values.tolist()]
     if rows is None:
-        at = lambda own: state(system.with_parameters(own) if own else system, None)
-        rows = np.array([at(own) for own in each])
+        rows = np.array([_start(system, own) for own in each])
     count = max(len(rows), len(each))
     rows = np.ascontiguousarray(np.broadcast_to(rows, (count, rows.shape[1])))
     values = np.ascontiguousarray(np.broadcast_to(values, (count, len(names))))
@@ -375,9 +379,15 @@ def ensemble(
             if raised is not None:
                 break
     done_rows = min(count, AT_ONCE * len(waves))
-    together = lambda name: np.concatenate([one[name] for one in waves])
+
+    def together(name: str) -> Any:
+        return np.concatenate([one[name] for one in waves])
+
+    def where(k: int) -> str:
+        return f"orbit {k}, from {rows[k].tolist()}"
+
     message = [one for wave in waves for one in wave["message"]]
-    result = {
+    result: dict[str, Any] = {
         "y": None,
         "t_events": None,
         "y_events": None,
@@ -389,7 +399,6 @@ def ensemble(
         result["y"] = np.full((rows.shape[1], done_rows, len(times)), np.nan)
         _fill(result, waves, system, events is not None)
     failures = [one if status < 0 else "" for one, status in zip(message, together("status"))]
-    where = lambda k: f"orbit {k}, from {rows[k].tolist()}"
     if raised is None:
         warn_of_failures(failures, where)
     doubts = [one for wave in waves for one in wave["doubtful"]]

@@ -315,8 +315,13 @@ def lyapunov_from_data(
     0.7
     """
     rows = _series(series, columns)
-    whole_or_none = lambda one, name: None if one is None else whole(one, name)
-    real_or_none = lambda one, name: None if one is None else number(one, name)
+
+    def whole_or_none(one: int | None, name: str) -> int | None:
+        return None if one is None else whole(one, name)
+
+    def real_or_none(one: float | None, name: str) -> float | None:
+        return None if one is None else number(one, name)
+
     counts = {
         "delay": delay,
         "dimension": dimension,

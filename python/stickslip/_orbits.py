@@ -785,7 +785,7 @@ def continuation(
         )
     curves, others = found.pop("curves"), found.pop("branches")
     first = found["first_special"]
-    whole_branch = {"name": name, "system": system}
+    whole_branch: dict[str, Any] = {"name": name, "system": system}
     found = _branch(found, system)
     found["branches"] = [
         Branch(**_branch(one, system), branches=[], curves=[], begins=begins, **whole_branch)
@@ -951,7 +951,7 @@ def tangents(
     >>> system = ss.System({x: v, v: -x - belt.friction}, contacts=[belt], start=[0, 0])
     >>> found = ss.tangents(system, bounds=(-1, 1))
     >>> found.points["visibility"], found.points["y.x"].round(9)
-    (array(['visible', 'visible'], dtype='<U7'), array([ 0.4, -0.4]))
+    (array(['visible', 'invisible'], dtype='<U9'), array([ 0.4, -0.4]))
     >>> found.zones["kind"], found.zones["low"].round(9), found.zones["high"].round(9)
     (array(['stick'], dtype='<U5'), array([-0.4]), array([0.4]))
     """

@@ -365,7 +365,10 @@ def _span(t_span: tuple[float, float]) -> tuple[float, float]:
 
 def _in_forward_time(found: dict[str, Any]) -> None:
     """Replaces the times of a run backwards, which are negative in the engine."""
-    forward = lambda t: 0.0 - t
+
+    def forward(t: Any) -> Any:
+        return 0.0 - t
+
     for table, names in (("transitions", ["t"]), ("phases", ["t_start", "t_end"])):
         for name in names:
             found[table][name] = forward(found[table][name])

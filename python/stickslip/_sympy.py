@@ -91,7 +91,7 @@ def from_sympy(
     >>> x, v, k = sympy.symbols("x v k")
     >>> made = ss.from_sympy({x: v, v: -k * sympy.sin(x)}, {k: 2})
     >>> made.rates
-    {x: v, v: -1.0*k*sin(x)}
+    {x: v, v: -(k * sin(x))}
     >>> floor = ss.Contact("floor", boundary=made[v], friction=0.1)
     >>> made.rates[made[v]] -= floor.friction
     >>> ss.System(made.rates, contacts=[floor]).states
@@ -159,6 +159,9 @@ def _formula(one: Any, known: Mapping[Any, Expression]) -> Expression:
     one = sympy.sympify(one)
     if one in known:
         return known[one]
+    part, rest = one.as_coeff_Mul()
+    if part == -1 and rest != 1:
+        return -_formula(rest, known)
     of: Sequence[Expression] = ()
     kind = one.func.__name__
     if one.is_Number:

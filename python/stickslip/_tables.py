@@ -31,7 +31,7 @@ def _shape(members: Sequence[str]) -> tuple[int, ...]:
     return len(members) // columns, columns
 
 
-class Row(np.void):
+class Row(np.void):  # type: ignore[misc]
     """A row of a `Table`."""
 
     def __getitem__(self, key: Any) -> Any:
@@ -86,28 +86,30 @@ def structured(
     Texts are a list, or a pair: the distinct ones, and for each entry its index among them. `axes`
     are the names of the states, `by` those of the variables of derivatives.
     """
-    flat: dict[str, Any] = {}
+    first = next(iter(columns.values()))
+    count = len(first[1] if isinstance(first, tuple) else first)
     types: list[tuple[str, Any]] = []
+    flat: list[Any] = []
     for name, values in columns.items():
         words = values[0] if isinstance(values, tuple) else values
         if isinstance(words, list):
-            length = max(map(len, words), default=0) or 1
-            types.append((name, f"U{length}"))
-            flat[name] = np.array(words)[values[1]] if isinstance(values, tuple) and words else words
-            continue
-        ends = {1: [""], 2: [_OF + one for one in axes]}.get(values.ndim)
-        if name == "dt":
-            ends = [_BY + one for one in by]
-        elif ends is None:
-            ends = [f"{_OF}{one}{_BY}{other}" for one in axes for other in by]
-        for number, end in enumerate(ends):
-            types.append((name + end, values.dtype.str))
-            flat[name + end] = values.reshape(-1, len(ends))[:, number]
-    first = next(iter(columns.values()))
-    count = len(first[1] if isinstance(first, tuple) else first)
+            types.append((name, f"U{max(map(len, words), default=0) or 1}"))
+            flat += [np.array(words)[values[1]] if isinstance(values, tuple) and count else words]
+        elif values.ndim == 1:
+            types.append((name, values.dtype.str))
+            flat.append(values)
+        else:
+            kind = values.dtype.str
+            if name == "dt":
+                types += [(name + _BY + one, kind) for one in by]
+            elif values.ndim == 2:
+                types += [(name + _OF + one, kind) for one in axes]
+            else:
+                types += [(f"{name}{_OF}{one}{_BY}{other}", kind) for one in axes for other in by]
+            flat.extend(values.reshape(count, -1).T if count else ())
     found = np.zeros(count, dtype=_dtype(tuple(types)))
     if count:
-        for name, values in flat.items():
+        for (name, _), values in zip(types, flat):
             found[name] = values
     return found.view(Table)
 
@@ -144,8 +146,12 @@ def short(value: Any) -> str:
 def as_html(columns: Mapping[str, Sequence[Any] | NDArray[Any]]) -> str:
     """A table for notebooks, with its first rows."""
     count = max(map(len, columns.values()), default=0)
-    cell = lambda kind, text: f"<{kind}>{html.escape(str(text))}</{kind}>"
-    lines = ["<table>", "<thead><tr>" + "".join(cell("th", name) for name in columns) + "</tr></thead>"]
+
+    def cell(kind: str, text: str) -> str:
+        return f"<{kind}>{html.escape(text)}</{kind}>"
+
+    heads = "".join(cell("th", name) for name in columns)
+    lines = ["<table>", f"<thead><tr>{heads}</tr></thead>"]
     for k in range(min(count, MOST_ROWS)):
         row = "".join(cell("td", short(values[k])) for values in columns.values())
         lines.append(f"<tr>{row}</tr>")
