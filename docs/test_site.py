@@ -78,6 +78,8 @@ def test_every_option_of_the_program_has_its_argument_in_python():
         title: dict(re.findall(r"^\| `([^`]+)` \| ([^|]+) \|", body, re.M))
         for title, body in sections.items()
     }
+    without = re.findall(r"^\| `[^`]+` \| — \| ?(.*?) \|$", text, re.M)
+    assert without and all(without), "an option without an argument needs its reason"
     shared = rows.pop("Options of several commands")
     alone = rows.pop("In Python alone")
     commands = re.findall(r"^  ([a-z]+) ", help_of().split("Commands:")[1].split("Options:")[0], re.M)

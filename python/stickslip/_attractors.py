@@ -248,7 +248,8 @@ class Basins(Result):
         variables: dict[str, Any] = {name: ("attractor", table[name]) for name in columns}
         if self._is_grid():
             axes = [names[int(np.ptp(self.starts, axis=k).max(axis=0).argmax())] for k in (0, 1)]
-            along = [self.starts[:, 0, names.index(axes[0])], self.starts[0, :, names.index(axes[1])]]
+            first, second = (names.index(name) for name in axes)
+            along = [self.starts[:, 0, first], self.starts[0, :, second]]
             variables["reached"] = (tuple(axes), self.reached)
             return variables, dict(zip(axes, along))
         rows = self.starts.reshape(-1, self.starts.shape[-1])

@@ -276,10 +276,10 @@ def lyapunov_from_data(
         Maps of two sizes of neighbourhoods, extrapolated to size zero, or linear maps of one size
         without correction.
     degree : {"linear", "quadratic"}, optional
-        Degree of the maps that are extrapolated. Default: quadratic where the series is long enough.
+        Degree of the maps that are extrapolated. Default: quadratic in a long enough series.
     divergence : float, optional
         Mean divergence of the system, to which the exponents must add up: the trace of the Jacobian
-        per unit of time; of a map, ln |det J|. The columns must be the state of the system.
+        per unit of time; of a map, ``ln |det J|``. The columns must be the state of the system.
     ridge : float, optional
         Tikhonov term over the largest singular value.
     rank : int, optional

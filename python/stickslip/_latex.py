@@ -9,13 +9,15 @@ from typing import Any
 # Precedence of operators, as formulas have it: `-x^2` is `-(x^2)`.
 _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
 
-_TOKEN = re.compile(r"\s*(?:(\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|([^\W\d][\w.]*)|(.))")
+_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_TOKEN = re.compile(rf"\s*(?:({_NUMBER})|([^\W\d][\w.]*)|(.))")
 _GREEK = {
-    *("alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau".split()),
-    *("upsilon phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega".split()),
+    *"alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho".split(),
+    *"sigma tau upsilon phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi".split(),
+    "Omega",
 }
 _NAMES = {
-    **{name: f"\\{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh", "exp", "ln", "min")},
+    **{name: f"\\{name}" for name in "sin cos tan sinh cosh tanh exp ln min".split()},
     **{"max": r"\max", "asin": r"\arcsin", "acos": r"\arccos", "atan": r"\arctan"},
     **{"log10": r"\log_{10}", "friction": "F"},
 }
@@ -144,7 +146,8 @@ def _formula(value: Any) -> str:
 
 def system_latex(file: Mapping[str, Any]) -> str:
     """The equations of a system, from the tables of its file."""
-    lines = [rf"\dot{{{symbol(state)}}} &= {_formula(rate)}" for state, rate in file["field"].items()]
+    rates = file["field"].items()
+    lines = [rf"\dot{{{symbol(state)}}} &= {_formula(rate)}" for state, rate in rates]
     for name, value in file.get("definitions", {}).items():
         lines.append(rf"{symbol(name)} &= {_formula(value)}")
     for name, contact in file.get("contacts", {}).items():
@@ -153,9 +156,8 @@ def system_latex(file: Mapping[str, Any]) -> str:
         if "friction" in contact:
             lines.append(rf"F_{{{side}}} &= {side}\left({_formula(contact['friction'])}\right)")
     for name, jump in file.get("jumps", {}).items():
-        changes = [
-            rf"{symbol(state)} \to {_formula(value)}" for state, value in jump.get("set", {}).items()
-        ]
+        values = jump.get("set", {}).items()
+        changes = [rf"{symbol(state)} \to {_formula(value)}" for state, value in values]
         what = ",\\ ".join(changes) or r"\text{end}"
         lines.append(rf"{_formula(jump['when'])} = 0 &: {what}")
     return "$$\\begin{aligned} " + r" \\ ".join(lines) + " \\end{aligned}$$"

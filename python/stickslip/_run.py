@@ -424,7 +424,7 @@ def solve_ivp(
         Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
         Further events to locate in the same run, whose bits they do not change. The first terminal
-        one in time ends it. Symbols in them have the values that they have in the system.
+        one along the run ends it, and directions are along the run, too. Symbols in them have the values that they have in the system.
     derivatives : sequence of Parameter, State or str, optional
         Parameters, states (for their start values), and "t0" for the start time, by which the orbit
         is differentiated, through all its events; see `Solution.dy`. The start state is held fixed,

@@ -21,6 +21,15 @@ def test_the_past_of_an_oscillator_is_exact():
     assert sol.phases["t_start"][0] == 2 and sol.phases["t_end"][-1] == -3
 
 
+def test_the_first_terminal_event_along_the_run_ends_it():
+    stop = ss.event(v, direction=-1, terminal=True)
+    sol = ss.solve_ivp(ss.System({x: v, v: -x}), (2, -9), [0.0, 1.0], events=[stop, x])
+    # v = cos(t - 2) falls backwards through zero at t - 2 = -pi/2, x vanishes at 2 itself.
+    assert sol.status == 1 and abs(sol.t[-1] - (2 - np.pi / 2)) < 1e-11
+    assert sol.t_events[0].tolist() == [sol.t[-1]] and (np.diff(sol.t) < 0).all()
+    assert sol.phases["t_end"][-1] == sol.t[-1]
+
+
 def test_time_in_formulas_goes_backwards():
     system = ss.System({x: np.cos(3 * ss.t) - 0.5 * x})
     there = ss.solve_ivp(system, (1, 4), [0.7])

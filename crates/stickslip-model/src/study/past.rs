@@ -6,7 +6,7 @@
 
 use stickslip::dynamics::{Moment, OrbitUnderWay, SmoothFlow, Step, Transition, Vector};
 use stickslip::scalar::Dual;
-use stickslip::{Mode, Options, TransitionKind};
+use stickslip::{Mode, Options};
 
 use crate::file::System;
 use crate::kernel::Combination;
@@ -18,8 +18,8 @@ const PARTS_OF_STEP: u32 = 8;
 /// Halvings of a part in which the distance has a minimum: all digits of a double.
 const HALVINGS: u32 = 53;
 
-/// Distance from a boundary that counts as none, in units of the tolerance of the run. Chosen: the
-/// error of a run grows to about this within some tens of units of time.
+/// Distance from a boundary that counts as none, in units of the tolerance of the run. Chosen: a
+/// run that is followed there and back comes this close to a slide that it has left.
 const TOLERANCES: f64 = 1e4;
 
 /// Why a system cannot run backwards.
@@ -66,23 +66,14 @@ impl<'s> PastWatch<'s> {
 
     /// The contact that slides at a start.
     pub fn start(&self, at: &Moment) -> Option<usize> {
-        (0..self.system.contacts()).find(|&contact| {
-            let height = self.system.boundary(contact, at.t, at.x.as_slice());
-            height.abs() <= self.allowed(&at.x) && self.may_slide(contact, at)
-        })
+        (0..self.system.contacts()).find(|&contact| self.may_slide(contact, at))
     }
 
     /// The contact that a transition brings into a slide, or that may have left one there.
     pub fn transition(&self, at: &Transition) -> Option<usize> {
-        if at.contact >= self.system.contacts() {
-            return None;
-        }
-        let slides = at.kind == TransitionKind::StickEntry || at.to.get(at.contact) == Mode::Stick;
-        let moment = Moment {
-            t: at.t,
-            x: at.x.clone(),
-        };
-        (slides || self.may_slide(at.contact, &moment)).then_some(at.contact)
+        let contact = Some(at.contact).filter(|&contact| contact < self.system.contacts())?;
+        let sticks = at.to.get(contact) == Mode::Stick;
+        (sticks || self.may_slide(contact, &at.moment())).then_some(contact)
     }
 
     /// The place at which the orbit touches a boundary in its last step, and the contact.
@@ -129,11 +120,14 @@ impl<'s> PastWatch<'s> {
         TOLERANCES * (self.options.atol + self.options.rtol * x.amax())
     }
 
-    /// Whether a contact holds at a state of its boundary, forwards in time: both fields point
-    /// towards it, which lead away from it in reversed time.
+    /// Whether a state is on the boundary of a contact that holds there, forwards in time: both
+    /// fields point towards it, which lead away from it in reversed time.
     fn may_slide(&self, contact: usize, at: &Moment) -> bool {
         let system = self.system;
         let x = at.x.as_slice();
+        if system.boundary(contact, at.t, x).abs() > self.allowed(&at.x) {
+            return false;
+        }
         let rate = |is_above: bool| {
             let above = (0..system.contacts()).fold(0, |above, i| {
                 let is_above = match i == contact {
