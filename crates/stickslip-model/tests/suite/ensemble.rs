@@ -64,7 +64,8 @@ fn together(system: &System, starts: &[Moment], options: &Options, solutions: bo
     };
     let ended = follow_all(system.dynamics(), starts, 8.0, options, watching, watcher);
     let both = all.into_iter().zip(ended);
-    both.map(|(all, ended)| format!("{all} {ended:?}")).collect()
+    both.map(|(all, ended)| format!("{all} {ended:?}"))
+        .collect()
 }
 
 #[test]

@@ -26,7 +26,10 @@ fn past(system: &System, (t, x): (f64, [f64; 2]), t_end: f64) -> Option<f64> {
     if watch.start(&at).is_some() {
         return Some(t);
     }
-    let mut orbit = reversed.dynamics().begin(&at, -t_end, &options, &[]).unwrap();
+    let mut orbit = reversed
+        .dynamics()
+        .begin(&at, -t_end, &options, &[])
+        .unwrap();
     loop {
         let slide = match orbit.step().unwrap() {
             OrbitProgress::Step => watch.step(&mut *orbit).map(|(at, _)| at.t),
@@ -57,7 +60,7 @@ fn time_in_formulas_and_rates_is_reversed() {
         }
     };
     assert!((end.x[0] - math::sin(-1.5)).abs() < 1e-12);
-    assert_eq!(reversed.reversed().unwrap().file.is_reversed, false);
+    assert!(!reversed.reversed().unwrap().file.is_reversed);
 }
 
 #[test]
@@ -104,5 +107,8 @@ fn what_is_defined_forwards_alone_is_named() {
          when = \"x\"\nset = { v = \"-v\" }\n",
     );
     let refused = check(&wall).unwrap_err().to_string();
-    assert!(refused.contains("the system has jumps; run it forwards"), "{refused}");
+    assert!(
+        refused.contains("the system has jumps; run it forwards"),
+        "{refused}"
+    );
 }
