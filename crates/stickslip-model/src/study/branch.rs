@@ -147,8 +147,8 @@ impl<'a> Along<'a> {
         Ok(curve)
     }
 
-    /// The branches that begin at a flip or branch point of a branch, in the time of the branch; `x`
-    /// is the start of [`Along::start`].
+    /// The branches that begin at a flip or branch point of a branch, in the time of the branch;
+    /// `x` is the start of [`Along::start`].
     ///
     /// # Errors
     /// Those of [`switch_branches`].

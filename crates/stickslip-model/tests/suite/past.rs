@@ -47,7 +47,8 @@ fn past(system: &System, (t, x): (f64, [f64; 2]), t_end: f64) -> Option<f64> {
 fn time_in_formulas_and_rates_is_reversed() {
     // x = sin t, so that x at -t is that at t.
     let drive = read(
-        "name = \"drive\"\n[states]\nx = \"\"\n[definitions]\nrate = \"cos(t)\"\n[field]\nx = \"rate\"\n",
+        "name = \"drive\"\n[states]\nx = \"\"\n[definitions]\nrate = \"cos(t)\"\n\
+         [field]\nx = \"rate\"\n",
     );
     let reversed = drive.reversed().unwrap();
     let x = Vector::from_element(1, math::sin(2.0));

@@ -10,8 +10,8 @@ use crate::System;
 use crate::errors::wrong;
 use crate::fields::Fields;
 
-/// Tangent points and zones on the boundary of a contact, along a state, or along the first one that
-/// the equation of the boundary leaves free.
+/// Tangent points and zones on the boundary of a contact, along a state, or along the first one
+/// that the equation of the boundary leaves free.
 #[pyfunction]
 pub(crate) fn tangents<'py>(
     py: Python<'py>,
