@@ -1,6 +1,10 @@
 """The reference names every error, key, function and name that there is, and every block is run."""
 
+import inspect
+import os
 import re
+import shutil
+import subprocess
 from pathlib import Path
 
 import stickslip
@@ -48,6 +52,65 @@ def test_every_name_of_the_package_is_listed():
     listed = set(re.findall(r"^   (\w+)$|`ss\.(t|pi)`", page("python.md"), re.M))
     listed = {one or other for one, other in listed}
     assert listed == {name for name in stickslip.__all__ if not name.startswith("_")}
+
+
+def help_of(*command):
+    program = shutil.which(os.environ.get("STICKSLIP", "stickslip"))
+    assert program, "STICKSLIP names no program: build it by cargo build -p stickslip-cli"
+    done = subprocess.run([program, *command, "--help"], capture_output=True, text=True, check=True)
+    return done.stdout
+
+
+def argument_exists(name, argument):
+    """Whether a function, class or method of the package takes an argument."""
+    found = stickslip
+    for part in name.split("."):
+        found = getattr(found, part)
+    if found is stickslip.Options:
+        return argument in found.__annotations__
+    return argument is None or argument in inspect.signature(found).parameters
+
+
+def test_every_option_of_the_program_has_its_argument_in_python():
+    text = page("program-python.md")
+    sections = dict(re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", text, re.M | re.S))
+    rows = {
+        title: dict(re.findall(r"^\| `([^`]+)` \| ([^|]+) \|", body, re.M))
+        for title, body in sections.items()
+    }
+    without = re.findall(r"^\| `[^`]+` \| — \| ?(.*?) \|$", text, re.M)
+    assert without and all(without), "an option without an argument needs its reason"
+    shared = rows.pop("Options of several commands")
+    alone = rows.pop("In Python alone")
+    commands = re.findall(r"^  ([a-z]+) ", help_of().split("Commands:")[1].split("Options:")[0], re.M)
+    commands.remove("help")
+    assert len(commands) > 10 and {f"`{name}`" for name in commands} == set(rows)
+    used = set()
+    for name in commands:
+        own = rows[f"`{name}`"]
+        # Options begin a line; further text may name others.
+        options = set(re.findall(r"^ {2,6}(?:-\w, )?(--[a-z-]+)", help_of(name), re.M))
+        assert options, name
+        assert not [one for one in options if one not in own and one not in shared], name
+        assert not [one for one in own if one != name and one not in options], name
+        used |= options & set(shared)
+    assert used == set(shared)
+    cells = [cell for table in (shared, *rows.values()) for cell in table.values()]
+    cells += [f"`{name}`" for name in alone]
+    named = set()
+    for cell in cells:
+        if cell == "—":
+            continue
+        name, argument = re.fullmatch(r"`([\w.]+)(?:\((\w+)\))?`", cell).groups()
+        assert argument_exists(name, argument), cell
+        named.add(name)
+    functions = {
+        name
+        for name in stickslip.__all__
+        if inspect.isfunction(one := getattr(stickslip, name))
+        and one.__module__.removeprefix("stickslip._") not in ("symbols", "core")
+    }
+    assert functions - named <= {"event"}
 
 
 def test_every_block_is_run_or_is_text():

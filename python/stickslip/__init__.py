@@ -20,6 +20,7 @@ from ._attractors import (
     parameter_map,
 )
 from ._core import __version__
+from ._ensemble import Ensemble, ensemble
 from ._errors import (
     InternalError,
     Interrupted,
@@ -32,13 +33,16 @@ from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyap
 from ._fit import FitResult, Record, fit
 from ._orbits import (
     Branch,
+    Curve,
     EquilibriumBranch,
     PeriodicOrbit,
     PoincareMap,
+    Tangents,
     continuation,
     equilibrium_continuation,
     periodic_orbit,
     poincare_map,
+    tangents,
 )
 from ._run import DenseOutput, Event, Solution, event, solve_ivp
 from ._symbols import (
@@ -67,7 +71,9 @@ from ._symbols import (
     table,
     triangle,
 )
+from ._sympy import SympySystem, from_sympy
 from ._system import System
+from ._tables import Table
 
 __all__ = [
     "Basins",
@@ -79,6 +85,7 @@ __all__ = [
     "DataSpectrum",
     "DenseOutput",
     "DiscreteState",
+    "Ensemble",
     "EquilibriumBranch",
     "Event",
     "Expression",
@@ -98,20 +105,25 @@ __all__ = [
     "Solution",
     "SolverWarning",
     "State",
-    "Stop",
     "StickslipError",
+    "Stop",
     "Switch",
+    "SympySystem",
     "System",
     "SystemError",
+    "Table",
+    "Tangents",
     "__version__",
     "basins_of_attraction",
     "bifurcation_diagram",
     "continuation",
     "discrete",
+    "ensemble",
     "equilibrium_continuation",
     "erf",
     "event",
     "fit",
+    "from_sympy",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter",
@@ -128,5 +140,6 @@ __all__ = [
     "states",
     "t",
     "table",
+    "tangents",
     "triangle",
 ]

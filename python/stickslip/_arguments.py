@@ -239,6 +239,38 @@ def complete(system: System, states: Floats, name: str) -> Floats:
     )
 
 
+def rows_of_starts(system: System, starts: Any) -> tuple[Floats, tuple[int, ...]]:
+    """Starts as rows of states, and the shape of the array of starts."""
+    names = checked(system).states
+    if _is_meshgrid(starts):
+        raise ValueError("starts is a meshgrid: stack it, np.stack(np.meshgrid(x, v), axis=-1)")
+    starts = by_name(starts, "columns", "starts")
+    if isinstance(starts, dict):
+        starts = in_order(system, starts)
+    given = as_array(starts, "starts")
+    discrete = len(system.discrete)
+    if given.ndim == 0 or given.shape[-1] not in (len(names), len(names) - discrete):
+        help = f"; the last {discrete}, discrete, may be left out" if discrete else ""
+        raise ValueError(
+            f"the last axis of starts must be the {len(names)} states: {', '.join(names)}{help}; "
+            f"the shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
+        )
+    if not given.size:
+        raise ValueError("starts is empty: give at least one state")
+    rows = complete(system, array(given.reshape(-1, given.shape[-1]), "starts", 2), "starts")
+    return rows, given.shape[:-1]
+
+
+def _is_meshgrid(starts: Any) -> bool:
+    """Whether it is the result of np.meshgrid for two axes. Its last axis may have the length of a
+    state."""
+    if not isinstance(starts, (list, tuple)) or len(starts) != 2:
+        return False
+    a, b = starts
+    is_plane = all(isinstance(one, np.ndarray) and one.ndim == 2 for one in starts)
+    return is_plane and a.shape == b.shape and bool((a == a[:1]).all() and (b == b[:, :1]).all())
+
+
 def start(
     system: System, t0: Any, y0: ArrayLike | Mapping[Any, Any] | None
 ) -> tuple[float, list[float]]:

@@ -13,24 +13,29 @@ from . import _core
 from ._arguments import (
     Floats,
     Options,
-    array,
-    as_array,
-    by_name,
     checked,
-    complete,
-    in_order,
     name_of,
     real,
     settings,
     nonempty_array,
+    rows_of_starts,
     start_of_each,
     threads,
 )
 from ._plot import draw_classes, new_axes
 from ._progress import progress_report
-from ._results import Result, call_engine, column, make_result, structured, warn_of_failures
+from ._results import (
+    Result,
+    call_engine,
+    column,
+    make_result,
+    states_of,
+    structured,
+    warn_of_failures,
+)
 from ._symbols import Parameter, State, number, out_of_bounds
 from ._system import System
+from ._tables import Table, pandas
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -58,7 +63,7 @@ class BifurcationDiagram(Result):
         Largest Lyapunov exponent, its standard error and its uncertainty. The uncertainty is four
         standard errors, or ln 30 divided by the measured time if that is larger. NaN without a
         measurement.
-    changes : ndarray, structured
+    changes : Table
         Changes of the attractor: ``name``, ``parameter`` (NaN if not located), ``uncertainty``,
         ``from_value`` and ``to_value`` (the values of the diagram on both sides), ``period``,
         phases ``before`` and ``after``, and a state ``y``.
@@ -78,9 +83,53 @@ class BifurcationDiagram(Result):
     exponent: Floats
     std_error: Floats
     uncertainty: Floats
-    changes: NDArray[np.void]
+    changes: Table
     name: str
     system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            self.name: self.parameter,
+            "kind": self.kind,
+            "period": self.period,
+            "returns": self.returns,
+            "phases": self.phases,
+            "in_stick": self.in_stick,
+            "exponent": self.exponent,
+            "std_error": self.std_error,
+            "uncertainty": self.uncertainty,
+        }
+
+    def to_pandas(self, points: bool = False) -> Any:
+        """The diagram as a `pandas.DataFrame`, with a row for each value of the parameter.
+
+        Parameters
+        ----------
+        points : bool, optional
+            Whether there is a row for each point of the section instead, with its state.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        if not points:
+            return super().to_pandas()
+        values, rows = self._points()
+        return pandas().DataFrame({self.name: values, **states_of(self.system, rows)})
+
+    def _points(self) -> tuple[Floats, Floats]:
+        """Values of the parameter and states of all points of the section."""
+        values = np.repeat(self.parameter, [len(points) for points in self.points])
+        return values, np.concatenate([*self.points, np.empty((0, len(self.system.states)))])
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        columns = self._columns()
+        coordinates = {self.name: columns.pop(self.name), "state": list(self.system.states)}
+        variables: dict[str, Any] = {name: (self.name, one) for name, one in columns.items()}
+        values, rows = self._points()
+        variables["y"] = (("point", "state"), rows)
+        variables[f"{self.name}_of_point"] = ("point", values)
+        return variables, coordinates
 
     def plot(self, axes: Any = None, state: int | str | State = 0) -> Any:
         """Draws a state at the section points, and lines where the attractor changes.
@@ -135,6 +184,77 @@ class Basins(Result):
         counts = np.bincount(self.reached[self.reached >= 0], minlength=len(self.kind))
         shares: Floats = counts / max(1, counts.sum())
         return shares
+
+    @property
+    def std_errors(self) -> Floats:
+        """Standard error of each share, as the program's ``basin`` computes it.
+
+        Of an even grid over two states, only cells at the boundaries of basins are uncertain. Other
+        starts count as independent and random.
+        """
+        done = self.reached.ravel()
+        columns = self.reached.shape[1] if self._is_grid() else None
+        if (done < 0).any():
+            done, columns = done[done >= 0], None
+        if not len(done):
+            return np.full(len(self.kind), np.nan)
+        reached = done.tolist()
+        return np.array([_core.share_error(reached, columns, k) for k in range(len(self.kind))])
+
+    def _is_grid(self) -> bool:
+        """Whether the starts are an even grid over two states, along the axes of the array."""
+        if self.reached.ndim != 2 or min(self.reached.shape) < 2:
+            return False
+        starts = self.starts
+        steps = [starts[1, 0] - starts[0, 0], starts[0, 1] - starts[0, 0]]
+        down, right = (np.arange(count)[:, None] for count in self.reached.shape)
+        even = starts[0, 0] + (down * steps[0])[:, None] + (right * steps[1])[None]
+        size = np.abs(starts).max(axis=(0, 1)) + np.abs(steps).max(axis=0)
+        varied = [np.flatnonzero(step) for step in steps]
+        apart = [len(one) == 1 for one in varied] == [True, True] and varied[0] != varied[1]
+        return bool(apart) and bool((np.abs(starts - even) <= 1e-9 * size).all())
+
+    @property
+    def attractors(self) -> Table:
+        """A table of the attractors: ``kind``, ``phases``, ``period``, ``returns``, ``in_stick``,
+        ``share`` and its ``std_error``."""
+        columns = {
+            "kind": list(self.kind),
+            "phases": list(self.phases),
+            "period": self.period,
+            "returns": self.returns,
+            "in_stick": self.in_stick,
+            "share": self.shares,
+            "std_error": self.std_errors,
+        }
+        return structured(columns)
+
+    def _columns(self) -> dict[str, Any]:
+        reached = self.reached.ravel()
+        kinds = np.array([*self.kind, ""])
+        phases = np.array([*self.phases, ""])
+        rows = self.starts.reshape(-1, self.starts.shape[-1])
+        return {
+            **states_of(self.system, rows),
+            "reached": reached,
+            "kind": kinds[reached],
+            "phases": phases[reached],
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        names = self.system.states
+        table = self.attractors
+        columns = [name for name in table.dtype.names or ()]
+        variables: dict[str, Any] = {name: ("attractor", table[name]) for name in columns}
+        if self._is_grid():
+            axes = [names[int(np.ptp(self.starts, axis=k).max(axis=0).argmax())] for k in (0, 1)]
+            first, second = (names.index(name) for name in axes)
+            along = [self.starts[:, 0, first], self.starts[0, :, second]]
+            variables["reached"] = (tuple(axes), self.reached)
+            return variables, dict(zip(axes, along))
+        rows = self.starts.reshape(-1, self.starts.shape[-1])
+        variables["reached"] = ("start", self.reached.ravel())
+        return variables, {name: ("start", rows[:, k]) for k, name in enumerate(names)}
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the basins over the two states that vary among the starts, and the attractors."""
@@ -199,6 +319,21 @@ class ParameterMap(Result):
     std_error: Floats
     uncertainty: Floats
     names: tuple[str, str]
+
+    def _cells(self) -> dict[str, Any]:
+        names = ("kind", "period", "returns", "phases", "in_stick")
+        measured = ("exponent", "std_error", "uncertainty")
+        return {name: getattr(self, name) for name in (*names, *measured)}
+
+    def _columns(self) -> dict[str, Any]:
+        x, y = np.meshgrid(self.x, self.y)
+        cells = {name: values.ravel() for name, values in self._cells().items()}
+        return {self.names[0]: x.ravel(), self.names[1]: y.ravel(), **cells}
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        dimensions = self.names[::-1]
+        variables = {name: (dimensions, values) for name, values in self._cells().items()}
+        return variables, dict(zip(self.names, (self.x, self.y)))
 
     def plot(self, axes: Any = None, what: str = "kind") -> Any:
         """Draws the plane by kinds of motion with their phases, or by a number.
@@ -309,7 +444,7 @@ def bifurcation_diagram(
             report,
         )
     warn_of_failures(found.pop("reason"), lambda k: f"{name} = {given[k]:g}")
-    found["changes"] = structured(found["changes"])
+    found["changes"] = structured(found["changes"], system.states)
     return make_result(found, BifurcationDiagram, name=name, system=system)
 
 
@@ -367,23 +502,7 @@ def basins_of_attraction(
     >>> found.reached, found.shares.round(2)
     (array([0, 0, 1]), array([0.67, 0.33]))
     """
-    names = checked(system).states
-    if _is_meshgrid(starts):
-        raise ValueError("starts is a meshgrid: stack it, np.stack(np.meshgrid(x, v), axis=-1)")
-    starts = by_name(starts, "columns", "starts")
-    if isinstance(starts, dict):
-        starts = in_order(system, starts)
-    given = as_array(starts, "starts")
-    discrete = len(system.discrete)
-    if given.ndim == 0 or given.shape[-1] not in (len(names), len(names) - discrete):
-        help = f"; the last {discrete}, discrete, may be left out" if discrete else ""
-        raise ValueError(
-            f"the last axis of starts must be the {len(names)} states: {', '.join(names)}{help}; "
-            f"the shape is {given.shape}; a grid is np.stack(np.meshgrid(x, v), axis=-1)"
-        )
-    if not given.size:
-        raise ValueError("starts is empty: give at least one state")
-    rows = complete(system, array(given.reshape(-1, given.shape[-1]), "starts", 2), "starts")
+    rows, shape = rows_of_starts(system, starts)
     with progress_report(progress, "basins_of_attraction", "starts", total=len(rows)) as report:
         found = call_engine(
             _core.basins,
@@ -396,19 +515,9 @@ def basins_of_attraction(
     reasons = [*found.pop("reason"), ""]
     each = [reasons[k] for k in found["reached"]]
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
-    found["reached"] = found["reached"].reshape(given.shape[:-1])
-    starts = rows.reshape(*given.shape[:-1], len(names))
+    found["reached"] = found["reached"].reshape(shape)
+    starts = rows.reshape(*shape, rows.shape[1])
     return make_result(found, Basins, starts=starts, system=system)
-
-
-def _is_meshgrid(starts: Any) -> bool:
-    """Whether it is the result of np.meshgrid for two axes. Its last axis may have the length of a
-    state."""
-    if not isinstance(starts, (list, tuple)) or len(starts) != 2:
-        return False
-    a, b = starts
-    is_plane = all(isinstance(one, np.ndarray) and one.ndim == 2 for one in starts)
-    return is_plane and a.shape == b.shape and bool((a == a[:1]).all() and (b == b[:, :1]).all())
 
 
 def parameter_map(

@@ -14,13 +14,16 @@ __all__ = [
     "continuation",
     "equilibrium_continuation",
     "end_of",
+    "ensemble",
     "fit",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter_map",
     "periodic_orbit",
     "poincare_map",
+    "share_error",
     "solve",
+    "tangents",
 ]
 
 __version__: str
@@ -38,6 +41,7 @@ class System:
     @staticmethod
     def text_of(path: str) -> str: ...
     def with_sections(self, sections: list[tuple[str, int]]) -> System: ...
+    def reversed(self) -> System: ...
     @property
     def name(self) -> str: ...
     @property
@@ -90,6 +94,27 @@ def continuation(
     search: _Search,
     range: tuple[str, float, float],
     how: tuple[float, int],
+    also: tuple[str, float, float] | None,
+    branches: bool,
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
+def tangents(
+    system: System,
+    start: _Start,
+    contact: int,
+    along: int | None,
+    bounds: tuple[float, float] | None,
+) -> _Found: ...
+def share_error(reached: Sequence[int], columns: int | None, number: int) -> float: ...
+def ensemble(
+    system: System,
+    starts: NDArray[np.float64],
+    parameters: tuple[Sequence[str], NDArray[np.float64]],
+    span: tuple[float, float],
+    most: Sequence[int],
+    t_eval: NDArray[np.float64] | None,
+    workers: int,
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...
@@ -151,6 +176,7 @@ def basins(
 def lyapunov_from_data(
     series: NDArray[np.float64],
     dt: float,
-    embedding: tuple[int | None, int | None],
+    divergence: float | None,
+    options: dict[str, Any],
     report: _Report,
 ) -> _Found: ...

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Unpack
+from typing import Any, Literal, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +16,7 @@ from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import progress_report
 from ._results import Result, call_engine, make_result
-from ._symbols import State, number, whole
+from ._symbols import State, number, out_of_bounds, whole
 from ._system import System
 
 
@@ -60,6 +60,18 @@ class LyapunovSpectrum(Result):
     elapsed: Floats
     running: Floats
 
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "exponent": self.exponents,
+            "std_error": self.std_errors,
+            "uncertainty": self.uncertainties,
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {name: ("number", one) for name, one in self._columns().items()}
+        variables["running"] = (("elapsed", "number"), self.running)
+        return variables, {"elapsed": self.elapsed}
+
     def plot(self, axes: Any = None) -> Any:
         """Draws the running exponents against the time measured."""
         axes = new_axes(axes)
@@ -86,6 +98,21 @@ class DataSpectrum(Result):
         Number of tangent directions of the series, which is the number of exponents it determines.
     embedding : (int, int) or None
         Delay in points and number of delayed values of each column; None without embedding.
+    eps_sensitivity : ndarray, shape (d,)
+        Change of each exponent with neighbourhoods of twice the size, a measure of bias.
+    by_rank : ndarray, shape (d,)
+        The exponents by the fit of fixed rank; NaN beyond that rank.
+    residual_ratio : float
+        Part of the motion that local maps do not predict: near 0 for states of a smooth
+        deterministic system, near 1 for noise.
+    balance : (int, float, float) or None
+        With `divergence`: number of exponents that the series does not determine, their sum, and
+        its standard error. Without such exponents, what the sum exceeds the divergence by. None for
+        delayed values.
+    surrogate_p : float or None
+        With `surrogates`: probability of so small a residual in linear noise.
+    surrogate_residuals : ndarray or None
+        Residual ratios of the surrogates.
     """
 
     exponents: Floats
@@ -93,6 +120,24 @@ class DataSpectrum(Result):
     status: list[str]
     dimension: int
     embedding: tuple[int, int] | None
+    eps_sensitivity: Floats
+    by_rank: Floats
+    residual_ratio: float
+    balance: tuple[int, float, float] | None
+    surrogate_p: float | None
+    surrogate_residuals: Floats | None
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "exponent": self.exponents,
+            "std_error": self.std_errors,
+            "eps_sensitivity": self.eps_sensitivity,
+            "status": self.status,
+            "by_rank": self.by_rank,
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        return {name: ("number", one) for name, one in self._columns().items()}, {}
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the exponents with four standard errors; unreliable ones have open markers."""
@@ -177,6 +222,21 @@ def lyapunov_from_data(
     *,
     delay: int | None = None,
     dimension: int | None = None,
+    columns: Sequence[int | str] | None = None,
+    eps: float | None = None,
+    neighbours: int | tuple[int, int] | None = None,
+    step: int | None = None,
+    theiler: int | None = None,
+    affine: bool = False,
+    rank_tolerance: float | None = None,
+    estimator: Literal["extrapolated", "sano-sawada"] = "extrapolated",
+    degree: Literal["linear", "quadratic"] | None = None,
+    divergence: float | None = None,
+    ridge: float = 0.0,
+    rank: int | None = None,
+    stride: int | None = None,
+    references: int | None = None,
+    surrogates: int | None = None,
     progress: bool = False,
 ) -> DataSpectrum:
     """Estimates the Lyapunov exponents of a measured series.
@@ -196,6 +256,41 @@ def lyapunov_from_data(
     dimension : int, optional
         Number of delayed values of each column; 1 for no embedding. Default: the first number with
         less than 1 % false neighbours.
+    columns : sequence of int or str, optional
+        Columns to use, by number from 0, or by name of a table of pandas. Default: all.
+    eps : float, optional
+        Radius of the neighbourhoods over the spread of the series. Default 0.1.
+    neighbours : int or (int, int), optional
+        The number of nearest neighbours, or the fewest and most in the ball. Default: 12 for
+        states, 40 for delayed values, and fewer for those below 4000 points.
+    step : int, optional
+        Number of points that a map predicts ahead. Default: 1, the delay for delayed values.
+    theiler : int, optional
+        Points closer in time than this are no neighbours. Default: the time in which the
+        autocorrelation falls to 1/e.
+    affine : bool, optional
+        Whether linear maps have a constant term, too.
+    rank_tolerance : float, optional
+        Singular values below this fraction of the largest are zero.
+    estimator : {"extrapolated", "sano-sawada"}, optional
+        Maps of two sizes of neighbourhoods, extrapolated to size zero, or linear maps of one size
+        without correction.
+    degree : {"linear", "quadratic"}, optional
+        Degree of the maps that are extrapolated. Default: quadratic in a long enough series.
+    divergence : float, optional
+        Mean divergence of the system, to which the exponents must add up: the trace of the Jacobian
+        per unit of time; of a map, ``ln |det J|``. The columns must be the state of the system.
+    ridge : float, optional
+        Tikhonov term over the largest singular value.
+    rank : int, optional
+        Rank of the second fit. Default: the number of tangent directions.
+    stride : int, optional
+        Distance between reference points. Default: 1, more for delayed values.
+    references : int, optional
+        Most reference points, at least 20. Default: all.
+    surrogates : int, optional
+        Number of surrogates of linear noise to compare with, at least 19. Each takes as long as the
+        series.
     progress : bool, optional
         Whether to show the progress.
 
@@ -219,18 +314,82 @@ def lyapunov_from_data(
     >>> float(ss.lyapunov_from_data(series).exponents[0].round(1))
     0.7
     """
+    rows = _series(series, columns)
+
+    def whole_or_none(one: int | None, name: str) -> int | None:
+        return None if one is None else whole(one, name)
+
+    def real_or_none(one: float | None, name: str) -> float | None:
+        return None if one is None else number(one, name)
+
+    counts = {
+        "delay": delay,
+        "dimension": dimension,
+        "step": step,
+        "theiler": theiler,
+        "rank": rank,
+        "stride": stride,
+        "references": references,
+        "surrogates": surrogates,
+    }
+    if isinstance(neighbours, tuple):
+        fewest, most = (whole(one, "neighbours") for one in neighbours)
+        ball: tuple[int, int | None] | None = (fewest, most)
+    else:
+        ball = None if neighbours is None else (whole(neighbours, "neighbours"), None)
+    if ball is not None and ball[1] is None and eps is not None:
+        raise ValueError(
+            f"neighbours = {neighbours} takes the nearest points and no ball, so that eps has no "
+            f"meaning: give a pair, such as neighbours=({neighbours}, {2 * ball[0]}), or no eps"
+        )
+    for name, value, known in (
+        ("estimator", estimator, ("extrapolated", "sano-sawada")),
+        ("degree", degree, (None, "linear", "quadratic")),
+    ):
+        if value not in known:
+            words = " or ".join(str(one) for one in known if one is not None)
+            raise ValueError(f"{name} = {value!r}: it is {words}")
+    options = {
+        **{name: whole_or_none(value, name) for name, value in counts.items()},
+        "estimator": estimator,
+        "degree": degree,
+        "eps": real_or_none(eps, "eps"),
+        "neighbours": ball,
+        "affine": bool(affine),
+        "rank_tolerance": real_or_none(rank_tolerance, "rank_tolerance"),
+        "ridge": number(ridge, "ridge"),
+    }
+    sum_of_all = real_or_none(divergence, "divergence")
+    # Parts of a thousand steps each.
+    parts = (0, 3000 if surrogates is None else 4000)
+    with progress_report(progress, "lyapunov_from_data", "", span=parts) as report:
+        found = call_engine(
+            _core.lyapunov_from_data, rows, number(dt, "dt"), sum_of_all, options, report
+        )
+    return make_result(found, DataSpectrum)
+
+
+def _series(series: Any, columns: Sequence[int | str] | None) -> Floats:
+    """The wanted columns of a series as rows."""
+    names = [str(name) for name in getattr(series, "columns", [])]
     given = as_array(series, "series")
-    rows = array(given[:, None] if given.ndim == 1 else given, "series", 2)
+    given = given[:, None] if given.ndim == 1 else given
+    if columns is not None:
+        numbers = []
+        for one in columns:
+            if isinstance(one, str) and one not in names:
+                known = ", ".join(names) if names else "without names"
+                raise ValueError(f"there is no column {one!r} of series: they are {known}")
+            at = names.index(one) if isinstance(one, str) else whole(one, "columns", least=0)
+            if at >= given.shape[-1]:
+                bound = f"less than the {given.shape[-1]} columns of series"
+                raise out_of_bounds("columns", at, bound)
+            numbers.append(at)
+        given = given[:, numbers]
+    rows = array(given, "series", 2)
     if rows.shape[1] > len(rows):
         raise ValueError(
             f"series has {len(rows)} rows of {rows.shape[1]} values: it must have a row for each "
             "point; of a solution it is sol.y.T"
         )
-    embedding = tuple(
-        None if one is None else whole(one, name)
-        for name, one in (("delay", delay), ("dimension", dimension))
-    )
-    # Three parts of a thousand steps each.
-    with progress_report(progress, "lyapunov_from_data", "", span=(0, 3000)) as report:
-        found = call_engine(_core.lyapunov_from_data, rows, number(dt, "dt"), embedding, report)
-    return make_result(found, DataSpectrum)
+    return rows

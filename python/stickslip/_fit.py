@@ -152,6 +152,28 @@ class FitResult(Result):
     def __getitem__(self, name: str | Parameter | State) -> float:
         return self.values[_name(name)]
 
+    def keys(self) -> list[str]:
+        """The names of what was fitted."""
+        return list(self.names)
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            "name": self.names,
+            "value": self.x,
+            "std_error": self.std_errors,
+            "low": self.intervals[:, 0],
+            "high": self.intervals[:, 1],
+            "start": self.start,
+            "at_bound": self.at_bound,
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        columns = self._columns()
+        names = columns.pop("name")
+        variables: dict[str, Any] = {key: ("name", one) for key, one in columns.items()}
+        variables["covariance"] = (("name", "other"), self.covariance)
+        return variables, {"name": names, "other": names}
+
     def __repr__(self) -> str:
         width = max(map(len, self.names), default=0)
         rows = []

@@ -15,10 +15,11 @@ from ._arguments import Floats, Options, checked, name_of, pair, real, settings,
 from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import progress_report
-from ._results import Result, call_engine, column, make_result, structured
+from ._results import Result, call_engine, column, make_result, states_of, structured
 from ._run import Event, Solution, section_of, solve_ivp, variables
-from ._symbols import Expression, Parameter, State, number, out_of_bounds, readable, whole
+from ._symbols import Contact, Expression, Parameter, State, number, out_of_bounds, readable, whole
 from ._system import System
+from ._tables import Table, as_html
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -83,6 +84,25 @@ class PeriodicOrbit(Result):
     dy_max: Floats | None = None
     dmultipliers: NDArray[np.complex128] | None = None
 
+    def _columns(self) -> dict[str, Any]:
+        return self.solution()._columns()
+
+    def to_pandas(self) -> Any:
+        """The orbit over one period as a `pandas.DataFrame`.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return self.solution().to_pandas()
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        return self.solution()._variables()
+
+    def _repr_html_(self) -> str:
+        names = [name for name in self.keys() if name != "system"]
+        return as_html({"field": names, "value": [self[name] for name in names]})
+
     def solution(self, points: int = 500) -> Solution:
         """The orbit over one period.
 
@@ -142,6 +162,17 @@ class PoincareMap(Result):
     derivatives: Floats | None
     system: System
 
+    def _columns(self) -> dict[str, Any]:
+        return {"t": self.t, **states_of(self.system, self.y), "mode": self.mode}
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {
+            "y": (("crossing", "state"), self.y),
+            "mode": ("crossing", self.mode),
+        }
+        own = {"t": ("crossing", self.t), "state": list(self.system.states)}
+        return variables, own
+
     def plot(self, axes: Any = None) -> Any:
         """Draws the first two states of the crossings; for one state, each against the last."""
         axes = new_axes(axes)
@@ -175,7 +206,7 @@ class Branch(Result):
         ``"stable"``, ``"neutral"`` or ``"unstable"``, as in `PeriodicOrbit`.
     phases : list of str
         Its phases in letters.
-    special : ndarray, structured
+    special : Table
         Special orbits, and bifurcations at which the branch ends: ``name``, ``parameter``,
         ``uncertainty``, ``period``, phases ``before`` and ``after``, a state ``y`` (NaN at an end),
         and ``behind``, the number of orbits of the branch before it.
@@ -186,6 +217,13 @@ class Branch(Result):
         ``"homoclinic"``, ``"rest"`` of a driven system, ``"friction"`` where static friction falls
         below kinetic, ``"sequence ends"`` where the phases change and none were found beyond,
         ``"no convergence"``.
+    branches : list of Branch
+        With `branches`: those that begin at its flips, with twice the period, and at its branch
+        points. `begins` of each is the index of that orbit in `special`.
+    curves : list of Curve
+        With `also`: its special orbits in two parameters, except branch points.
+    begins : int or None
+        Index of the special orbit of another branch at which it begins.
     name : str
         The parameter.
     system : System
@@ -201,10 +239,40 @@ class Branch(Result):
     multipliers: list[NDArray[np.complex128]]
     stability: list[str]
     phases: list[str]
-    special: NDArray[np.void]
+    special: Table
     stops: tuple[str, str]
+    branches: list[Branch]
+    curves: list[Curve]
+    begins: int | None
     name: str
     system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            self.name: self.parameter,
+            "period": self.period,
+            "stability": self.stability,
+            "phases": self.phases,
+            "t": self.t,
+            **states_of(self.system, self.y),
+            **states_of(self.system, self.y_min, ".min"),
+            **states_of(self.system, self.y_max, ".max"),
+            **_complex_columns("multiplier", self.multipliers),
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        of_states = ("orbit", "state")
+        variables: dict[str, Any] = {
+            "period": ("orbit", self.period),
+            "stability": ("orbit", self.stability),
+            "phases": ("orbit", self.phases),
+            "y": (of_states, self.y),
+            "y_min": (of_states, self.y_min),
+            "y_max": (of_states, self.y_max),
+            "multipliers": (("orbit", "multiplier"), _padded(self.multipliers)),
+        }
+        own = {self.name: ("orbit", self.parameter), "state": list(self.system.states)}
+        return variables, own
 
     def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
         """Draws minimum and maximum of a state over the parameter. Stable orbits are solid, others
@@ -252,7 +320,7 @@ class EquilibriumBranch(Result):
         Eigenvalues of the field in that mode, along the boundaries of the contacts that stick.
     stability : list of str
         ``"stable"``, ``"neutral"`` or ``"unstable"``.
-    special : ndarray, structured
+    special : Table
         Bifurcations: ``name`` (``"fold"``, ``"branch point"``, ``"Hopf"``,
         ``"boundary equilibrium"``), ``parameter``, ``uncertainty``, ``frequency`` of a Hopf
         bifurcation, ``contact`` of a boundary equilibrium with the modes ``before`` and ``after``,
@@ -272,10 +340,29 @@ class EquilibriumBranch(Result):
     mode: list[str]
     eigenvalues: list[NDArray[np.complex128]]
     stability: list[str]
-    special: NDArray[np.void]
+    special: Table
     stops: tuple[str, str]
     name: str
     system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            self.name: self.parameter,
+            "mode": self.mode,
+            "stability": self.stability,
+            **states_of(self.system, self.y),
+            **_complex_columns("eigenvalue", self.eigenvalues),
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {
+            "y": (("point", "state"), self.y),
+            "mode": ("point", self.mode),
+            "stability": ("point", self.stability),
+            "eigenvalues": (("point", "eigenvalue"), _padded(self.eigenvalues)),
+        }
+        own = {self.name: ("point", self.parameter), "state": list(self.system.states)}
+        return variables, own
 
     def plot(self, axes: Any = None, what: int | str | State = 0) -> Any:
         """Draws a state over the parameter. Stable equilibria are solid, others dashed; special
@@ -291,6 +378,155 @@ class EquilibriumBranch(Result):
         _draw(self, axes, [self.y[:, k]], lambda there: there["y"][:, k])
         axes.set(xlabel=self.name, ylabel=label)
         return axes
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Curve(Result):
+    """A special orbit of a branch, followed in two parameters.
+
+    Attributes
+    ----------
+    what : str
+        The bifurcation.
+    parameter : ndarray, shape (m,)
+        The parameter of the branch.
+    other : ndarray, shape (m,)
+        The second parameter. Without points, no curve was found.
+    period : ndarray, shape (m,)
+        Period of each orbit.
+    t, y : ndarray, shapes (m,) and (m, n)
+        A state on each orbit, and its time.
+    stops : (str, str) or None
+        Why the curve ends at its first and last point: ``"range"`` of a parameter, ``"points"``,
+        ``"another change"`` at the same orbit, ``"no convergence"``.
+    begins : int
+        Index of the special orbit of the branch at which it begins.
+    names : (str, str)
+        The parameter of the branch and the second one.
+    system : System
+        The system.
+    """
+
+    what: str
+    parameter: Floats
+    other: Floats
+    period: Floats
+    t: Floats
+    y: Floats
+    stops: tuple[str, str] | None
+    begins: int
+    names: tuple[str, str]
+    system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            self.names[0]: self.parameter,
+            self.names[1]: self.other,
+            "period": self.period,
+            "t": self.t,
+            **states_of(self.system, self.y),
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {
+            "period": ("orbit", self.period),
+            "y": (("orbit", "state"), self.y),
+        }
+        own = {
+            self.names[0]: ("orbit", self.parameter),
+            self.names[1]: ("orbit", self.other),
+            "state": list(self.system.states),
+        }
+        return variables, own
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the curve in the plane of both parameters."""
+        axes = new_axes(axes)
+        axes.plot(self.parameter, self.other, label=self.what)
+        axes.set(xlabel=self.names[0], ylabel=self.names[1])
+        axes.legend()
+        return axes
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Tangents(Result):
+    """Tangent points and stick zones on the boundary of a contact, along a state.
+
+    Attributes
+    ----------
+    points : Table
+        Points at which a field is tangent to the boundary: its ``side``, ``visibility``
+        (``"visible"``, ``"invisible"``, ``"degenerate"``), the state ``y``, and the number of the
+        ``branch`` of the boundary.
+    zones : Table
+        Parts of the boundary: their ``kind``, ``"stick"`` where both fields point towards it and
+        ``"repelling"`` where both lead away, from ``low`` to ``high``, and their ``branch``.
+    rates : Table
+        Rates of the boundary function with the fields ``below`` and ``above``, where the state is
+        ``at``, and their ``branch``.
+    along : str
+        The state along which the search goes.
+    solved : str
+        The state for which the equation of the boundary is solved.
+    contact : str
+        The contact.
+    system : System
+        The system.
+    """
+
+    points: Table
+    zones: Table
+    rates: Table
+    along: str
+    solved: str
+    contact: str
+    system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {name: self.points[name] for name in self.points.dtype.names or ()}
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        points, zones = self.points, self.zones
+        variables: dict[str, Any] = {
+            "side": ("point", points["side"]),
+            "visibility": ("point", points["visibility"]),
+            "y": (("point", "state"), points["y"]),
+            "kind": ("zone", zones["kind"]),
+            "low": ("zone", zones["low"]),
+            "high": ("zone", zones["high"]),
+        }
+        return variables, {"state": list(self.system.states)}
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the rates of both fields, with the zones as bands and markers at the points."""
+        axes = new_axes(axes)
+        for zone in self.zones:
+            colour = "#f6d9a8" if zone["kind"] == "stick" else "0.85"
+            axes.axvspan(zone["low"], zone["high"], color=colour, lw=0, zorder=0)
+        for branch in np.unique(self.rates["branch"]):
+            own = self.rates[self.rates["branch"] == branch]
+            for side, style in (("below", "C0"), ("above", "C5")):
+                label = f"field {side}" if branch == 0 else None
+                axes.plot(own["at"], own[side], style, label=label)
+        at = self.points[f"y.{self.along}"]
+        axes.plot(at, np.zeros(len(at)), "ko", label="tangent points")
+        axes.axhline(0, color="0.7", lw=0.8)
+        axes.set(xlabel=self.along, ylabel="rate through the boundary")
+        axes.legend()
+        return axes
+
+
+def _padded(several: list[NDArray[np.complex128]]) -> NDArray[np.complex128]:
+    """Rows of different lengths, filled up with NaN."""
+    found = np.full((len(several), max(map(len, several), default=0)), np.nan + 0j)
+    for row, values in zip(found, several):
+        row[: len(values)] = values
+    return found
+
+
+def _complex_columns(name: str, several: list[NDArray[np.complex128]]) -> dict[str, Any]:
+    padded = _padded(several)
+    return {f"{name}{k + 1}": padded[:, k] for k in range(padded.shape[1])}
 
 
 def _draw(
@@ -505,12 +741,15 @@ def continuation(
     longest: float = 100.0,
     step: float = 0.02,
     most_points: int = 1000,
+    also: tuple[str | Parameter, tuple[float, float]] | None = None,
+    branches: bool = False,
     progress: bool = False,
     **options: Unpack[Options],
 ) -> Branch:
     """Continues a periodic orbit along a parameter, in both directions, stable or not.
 
-    Equilibria are followed by `equilibrium_continuation`.
+    Equilibria are followed by `equilibrium_continuation`. The program's ``continue`` computes the
+    same.
 
     Parameters
     ----------
@@ -527,6 +766,11 @@ def continuation(
         far takes many steps.
     most_points : int, optional
         Largest number of orbits in each direction.
+    also : (str or Parameter, (float, float)), optional
+        A second parameter with its bounds: each special orbit, except branch points, is followed in
+        both parameters.
+    branches : bool, optional
+        Whether the branches that begin at flips and branch points are followed, too.
     progress : bool, optional
         Whether to show the number of orbits so far.
     **options : Options
@@ -557,6 +801,7 @@ def continuation(
     (array(['Hopf', 'fold'], dtype='<U4'), array([ 0., -1.]))
     """
     name, low, high = _range(system, parameter, bounds)
+    second = None if also is None else _second(system, name, also)
     with progress_report(progress, "continuation", "orbits") as report:
         found = call_engine(
             _core.continuation,
@@ -565,11 +810,55 @@ def continuation(
             _search(system, transient, period, longest, periods),
             (name, low, high),
             (real(step, "step"), whole(most_points, "most_points", least=2)),
+            second,
+            bool(branches),
             settings(options),
             report,
         )
-    found["special"] = structured(found["special"])
-    return make_result(found, Branch, name=name, system=system)
+    curves, others = found.pop("curves"), found.pop("branches")
+    first = found["first_special"]
+    whole_branch: dict[str, Any] = {"name": name, "system": system}
+    found = _branch(found, system)
+    found["branches"] = [
+        Branch(**_branch(one, system), branches=[], curves=[], begins=begins, **whole_branch)
+        for one in others
+        for begins in [first + one.pop("begins")]
+    ]
+    kinds = found["special"]["name"]
+    found["curves"] = [
+        Curve(
+            **one,
+            what=str(kinds[begins]),
+            begins=begins,
+            names=(name, "" if second is None else second[0]),
+            system=system,
+        )
+        for one in curves
+        for begins in [first + one.pop("begins")]
+    ]
+    return make_result(found, Branch, begins=None, **whole_branch)
+
+
+def _branch(found: dict[str, Any], system: System) -> dict[str, Any]:
+    """The fields of a branch from the engine's output."""
+    found.pop("first_special")
+    found["special"] = structured(found["special"], system.states)
+    return found
+
+
+def _second(
+    system: System, name: str, also: tuple[str | Parameter, tuple[float, float]]
+) -> tuple[str, float, float]:
+    """The second parameter of a branch and its bounds."""
+    try:
+        parameter, bounds = also
+    except (TypeError, ValueError):
+        message = "also must be a parameter and its bounds, as (vp, (0.1, 0.5))"
+        raise TypeError(message) from None
+    found = _range(system, parameter, bounds)
+    if found[0] == name:
+        raise ValueError(f"also = {name}: it is the parameter of the branch; give another one")
+    return found
 
 
 def equilibrium_continuation(
@@ -642,5 +931,76 @@ def equilibrium_continuation(
         (real(step, "step"), whole(most_points, "most_points", least=2)),
         settings(options),
     )
-    found["special"] = structured(found["special"])
+    found["special"] = structured(found["special"], system.states)
     return make_result(found, EquilibriumBranch, name=along[0], system=system)
+
+
+def tangents(
+    system: System,
+    contact: str | Contact | None = None,
+    along: str | State | None = None,
+    bounds: tuple[float, float] | None = None,
+    y0: ArrayLike | Mapping[State, float] | None = None,
+    *,
+    t0: float = 0.0,
+) -> Tangents:
+    """Finds the tangent points and stick zones on the boundary of a contact.
+
+    The search goes along one state on the boundary, at one time. Further states keep their values
+    of the start, and further contacts slip on the side where the start is. The program's
+    ``tangents`` computes the same.
+
+    Parameters
+    ----------
+    system : System
+        The system.
+    contact : str or Contact, optional
+        The contact. Default: the first.
+    along : str or State, optional
+        The state along which to search. Default: the first that the equation of the boundary leaves
+        free.
+    bounds : (float, float), optional
+        Lowest and highest value of that state. Default: its range in the file.
+    y0 : array_like, shape (n,), or dict, optional
+        The start. Default: the start of the system.
+    t0 : float, optional
+        The time.
+
+    Returns
+    -------
+    Tangents
+
+    Raises
+    ------
+    ValueError
+        If there is no contact, no such state, or no line to search along.
+
+    Examples
+    --------
+    >>> import stickslip as ss
+    >>> x, v = ss.states("x v")
+    >>> belt = ss.Contact("belt", boundary=v - 0.2, friction=0.4)
+    >>> system = ss.System({x: v, v: -x - belt.friction}, contacts=[belt], start=[0, 0])
+    >>> found = ss.tangents(system, bounds=(-1, 1))
+    >>> found.points["visibility"], found.points["y.x"].round(9)
+    (array(['visible', 'invisible'], dtype='<U9'), array([ 0.4, -0.4]))
+    >>> found.zones["kind"], found.zones["low"].round(9), found.zones["high"].round(9)
+    (array(['stick'], dtype='<U5'), array([-0.4]), array([0.4]))
+    """
+    contacts = checked(system).contacts
+    if not contacts:
+        raise ValueError("the system has no contact, and so no boundary with tangent points")
+    name = contacts[0] if contacts and contact is None else getattr(contact, "name", contact)
+    if name not in contacts:
+        raise ValueError(f"there is no contact {name}: they are {', '.join(contacts)}")
+    found = call_engine(
+        _core.tangents,
+        system._core,
+        start(system, t0, y0),
+        contacts.index(name),
+        None if along is None else column(system, along)[0],
+        None if bounds is None else pair(bounds, "bounds", "the search goes between them"),
+    )
+    for table in ("points", "zones", "rates"):
+        found[table] = structured(found[table], system.states)
+    return make_result(found, Tangents, contact=name, system=system)

@@ -3,39 +3,81 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
-from functools import lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ._errors import InternalError, Interrupted, SolverWarning
 from ._symbols import State
 from ._system import System
+from ._tables import as_html, pandas, short, structured, xarray
+
+__all__ = ["Result", "call_engine", "column", "make_result", "structured", "warn_of_failures"]
 
 _T = TypeVar("_T")
 
 
-def _short(value: Any) -> str:
-    if isinstance(value, np.ndarray):
-        if value.size > 4 or value.dtype.names:
-            return f"<{' × '.join(map(str, value.shape))}>"
-        return np.array2string(value, precision=6, separator=", ")
-    if isinstance(value, (list, tuple)) and len(value) > 4:
-        return f"<{len(value)}>"
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
 class Result:
-    """A result with named fields."""
+    """A result with named fields, which are also items: ``sol["y"]`` is ``sol.y``."""
+
+    def keys(self) -> list[str]:
+        """The names of the fields."""
+        names = (one.name for one in fields(self))  # type: ignore[arg-type]
+        return [name for name in names if not name.startswith("_")]
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self.keys():
+            raise KeyError(f"there is no field {name!r}: they are {', '.join(self.keys())}")
+        return getattr(self, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.keys()
 
     def __repr__(self) -> str:
         # The system has a representation of its own.
-        names = [one.name for one in fields(self) if one.name != "system"]  # type: ignore[arg-type]
-        shown = [f"{name}={_short(getattr(self, name))}" for name in names]
+        names = [name for name in self.keys() if name != "system"]
+        shown = [f"{name}={short(getattr(self, name))}" for name in names]
         return f"{type(self).__name__}({', '.join(shown)})"
+
+    def _columns(self) -> dict[str, Any]:
+        """The columns of the result as a table."""
+        raise NotImplementedError
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """The variables of the result as a data set, each with its dimensions; coordinates."""
+        raise NotImplementedError
+
+    def to_pandas(self) -> Any:
+        """The result as a `pandas.DataFrame`.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        return pandas().DataFrame(self._columns())
+
+    def to_xarray(self) -> Any:
+        """The result as an `xarray.Dataset`.
+
+        Returns
+        -------
+        xarray.Dataset
+        """
+        variables, coordinates = self._variables()
+        return xarray().Dataset(variables, coordinates)
+
+    def _repr_html_(self) -> str:
+        return as_html(self._columns())
+
+
+def states_of(system: System, y: Any, end: str = "") -> dict[str, Any]:
+    """Columns of states, which are on the last axis."""
+    return {name + end: y[..., k] for k, name in enumerate(system.states)}
 
 
 def call_engine(function: Callable[..., _T], *of: Any) -> _T:
@@ -72,30 +114,13 @@ def warn_of_failures(reasons: Sequence[str], at: Callable[[int], str]) -> None:
         warnings.warn(message, SolverWarning, stacklevel=3)
 
 
-@lru_cache(maxsize=256)
-def _dtype(fields: tuple[tuple[str, Any, tuple[int, ...]], ...]) -> np.dtype[np.void]:
-    return np.dtype(list(fields))
-
-
-def structured(columns: Mapping[str, Any]) -> NDArray[np.void]:
-    """Makes a structured array from columns of texts, numbers, or rows of numbers.
-
-    Texts are a list, or a pair: the distinct ones, and for each entry its index among them.
-    """
-    types: list[tuple[str, Any, tuple[int, ...]]] = []
-    for name, values in columns.items():
-        words = values[0] if isinstance(values, tuple) else values
-        if isinstance(words, list):
-            types.append((name, f"U{max(map(len, words), default=0) or 1}", ()))
-        else:
-            types.append((name, values.dtype.str, values.shape[1:]))
-    first = next(iter(columns.values()))
-    count = len(first[1] if isinstance(first, tuple) else first)
-    found = np.zeros(count, dtype=_dtype(tuple(types)))
-    if count:
-        for name, values in columns.items():
-            found[name] = np.array(values[0])[values[1]] if isinstance(values, tuple) else values
-    return found
+def warn_of_doubts(doubts: Sequence[str], at: Callable[[int], str]) -> None:
+    """Warns once about all runs of which something is doubtful."""
+    doubtful = [k for k, doubt in enumerate(doubts) if doubt]
+    if doubtful:
+        count = f"{len(doubtful)} of {len(doubts)} runs are doubtful"
+        message = f"{count}; the first, at {at(doubtful[0])}: {doubts[doubtful[0]]}"
+        warnings.warn(message, SolverWarning, stacklevel=3)
 
 
 def column(system: System, which: int | str | State) -> tuple[int, str]:

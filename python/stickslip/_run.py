@@ -19,14 +19,13 @@ from ._arguments import (
     array,
     as_array,
     checked,
-    pair,
     settings,
     start,
 )
 from ._errors import SolverWarning
 from ._plot import new_axes
 from ._progress import progress_report
-from ._results import call_engine, make_result, structured
+from ._results import Result, call_engine, make_result, states_of, structured
 from ._symbols import (
     Direction,
     Expression,
@@ -39,6 +38,7 @@ from ._symbols import (
     whole,
 )
 from ._system import System
+from ._tables import Table
 
 
 #: Parts of a step in a figure, and most points of its curves.
@@ -121,10 +121,17 @@ class DenseOutput:
     evaluation, with the same bits.
     """
 
-    def __init__(self, run: tuple[Any, ...], t_max: float, core: _core.Dense | None = None) -> None:
-        self._run, self._core = run, core
-        self.t_min: float = run[1][0]
-        self.t_max = t_max
+    def __init__(
+        self,
+        run: tuple[Any, ...],
+        end: float,
+        core: _core.Dense | None = None,
+        is_reversed: bool = False,
+    ) -> None:
+        # Times of a run backwards are negative in the engine.
+        self._run, self._end, self._core, self._is_reversed = run, end, core, is_reversed
+        ends: list[float] = [run[1][0], end]
+        self.t_min, self.t_max = sorted(0.0 - t if is_reversed else t for t in ends)
 
     def __call__(self, t: ArrayLike) -> Floats:
         """The state at one or several times.
@@ -151,10 +158,10 @@ class DenseOutput:
             raise out_of_bounds("t", float(times[outside].flat[0]), bound)
         if self._core is None:
             system, start, t_end, options, memory = self._run
-            until, nothing = (t_end, self.t_max), np.empty(0)
+            until, nothing = (t_end, self._end), np.empty(0)
             again = call_engine(
                 _core.solve,
-                system._core,
+                system._core.reversed() if self._is_reversed else system._core,
                 start,
                 until,
                 [],
@@ -166,11 +173,12 @@ class DenseOutput:
                 None,
             )
             self._core = again["sol"]
+        times = 0.0 - times if self._is_reversed else times
         found: Floats = call_engine(self._core.at, np.ascontiguousarray(times.ravel()))
         return found.T.reshape(found.shape[1], *times.shape)
 
     def __reduce__(self) -> Any:
-        return type(self), (self._run, self.t_max)
+        return type(self), (self._run, self._end, None, self._is_reversed)
 
     def __copy__(self) -> DenseOutput:
         return self
@@ -184,8 +192,8 @@ class DenseOutput:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Solution:
-    """An orbit, with SciPy's names.
+class Solution(Result):
+    """An orbit, with SciPy's names. ``sol["y"]`` is ``sol.y``.
 
     Attributes
     ----------
@@ -202,15 +210,16 @@ class Solution:
     nfev : int or None
         Number of evaluations of the field; None for a failed run.
     status : int
-        0 at the end time, 1 at a terminal event or jump, 2 if the future is not unique, -1 if the
-        run failed or was interrupted.
+        0 at the end time, 1 at a terminal event or jump, 2 if the future is not unique, or
+        backwards the past, -1 if the run failed or was interrupted.
     message : str
         The same in words.
-    transitions : ndarray, structured
+    transitions : Table
         Changes of mode and jumps: ``t``, ``kind``, ``contact``, ``from_mode``, ``to_mode``,
         ``y_before`` and ``y`` (the states before and after it), ``residual`` of the boundary
-        function. With stops, ``impulse`` has the impulse at each of them.
-    phases : ndarray, structured
+        function. With stops, ``impulse`` has the impulse at each of them. Backwards they are in the
+        order of the run.
+    phases : Table
         Intervals of one mode: ``t_start``, ``t_end``, ``mode``, ``y_start``, ``y_end``. A mode is
         ``-`` or ``+`` for slip below or above, ``S`` for stick; ``|`` separates several contacts.
     system : System
@@ -235,8 +244,8 @@ class Solution:
     nfev: int | None
     status: int
     message: str
-    transitions: NDArray[np.void]
-    phases: NDArray[np.void]
+    transitions: Table
+    phases: Table
     system: System
     forces: Floats | None = None
     dy: Floats | None = None
@@ -245,6 +254,7 @@ class Solution:
     _between: DenseOutput | None = None
     _memory: str | None = None
     _made: Any = None
+    _by: tuple[str, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -265,9 +275,34 @@ class Solution:
             return self.t, self.y
         inside = np.linspace(self.t[:-1], self.t[1:], parts, endpoint=False, axis=1).ravel()
         # An end of a step is also the state behind a jump, which has two states.
-        states = self._between(np.minimum(inside, self._between.t_max))
+        states = self._between(np.clip(inside, self._between.t_min, self._between.t_max))
         states[:, ::parts] = self.y[:, :-1]
         return np.append(inside, self.t[-1]), np.hstack([states, self.y[:, -1:]])
+
+    def _columns(self) -> dict[str, Any]:
+        columns = {"t": self.t, **states_of(self.system, self.y.T)}
+        for k, name in enumerate(self._by):
+            for state, values in zip(self.system.states, () if self.dy is None else self.dy):
+                columns[f"d{state}/d{name}"] = values[:, k]
+        return columns
+
+    def to_pandas(self) -> Any:
+        """The orbit as a `pandas.DataFrame`: a row for each time, a column for each state.
+
+        Returns
+        -------
+        pandas.DataFrame
+            `transitions` and `phases` have a `to_pandas` of their own.
+        """
+        return super().to_pandas().set_index("t")
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {"y": (("state", "t"), self.y)}
+        coordinates: dict[str, Any] = {"t": self.t, "state": list(self.system.states)}
+        if self.dy is not None:
+            variables["dy"] = (("state", "t", "by"), self.dy)
+            coordinates["by"] = list(self._by)
+        return variables, coordinates
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the states against time, and stick as bands.
@@ -321,6 +356,32 @@ def variables(derivatives: Any) -> list[str]:
     return [one if isinstance(one, str) else one.name for one in given]
 
 
+def _span(t_span: tuple[float, float]) -> tuple[float, float]:
+    """Start time and end time of a run, which differ."""
+    ends = array(t_span, "t_span")
+    if len(ends) != 2:
+        raise ValueError(f"t_span has {len(ends)} values: it must be two, from and to")
+    t0, t_end = (float(one) for one in ends)
+    if t0 == t_end:
+        raise out_of_bounds("t_span[1]", t_end, f"other than t_span[0] = {readable(t0)}")
+    return t0, t_end
+
+
+def _in_forward_time(found: dict[str, Any]) -> None:
+    """Replaces the times of a run backwards, which are negative in the engine."""
+
+    def forward(t: Any) -> Any:
+        return 0.0 - t
+
+    for table, names in (("transitions", ["t"]), ("phases", ["t_start", "t_end"])):
+        for name in names:
+            found[table][name] = forward(found[table][name])
+    found["t"], found["t_end"] = forward(found["t"]), forward(found["t_end"])
+    found["events"] = [(forward(t), y) for t, y in found["events"]]
+    # Nothing goes on from a run backwards.
+    found["memory"] = None
+
+
 def _of_events(
     slopes: list[dict[str, Floats] | None] | None, name: str, shape: tuple[int, ...]
 ) -> list[Floats] | None:
@@ -351,7 +412,9 @@ def solve_ivp(
         The system, in place of SciPy's function. Transitions between slip and stick, jumps and
         inputs are parts of it and are located to rounding.
     t_span : (float, float)
-        Start time and end time; the end is later.
+        Start time and end time. An end before the start goes backwards, through crossings of
+        contacts. A system with jumps, stops or inputs cannot, and a slide has no past: the run ends
+        there with status 2 and a warning that names the time.
     y0 : array_like, shape (n,), dict or Solution, optional
         Start state, in order or as ``{x: 1, v: 0}``. Default: the start of the system.
         Discrete states may be left out. With a solution the run goes on from its end: orbit and
@@ -359,12 +422,13 @@ def solve_ivp(
     method : {"taylor", "dop853"}, optional
         The integration method.
     t_eval : array_like, shape (m,), optional
-        Times of the output, sorted, within `t_span`. Default: the ends of steps.
+        Times of the output, in the direction of the run, within `t_span`. Default: the ends of
+        steps.
     dense_output : bool, optional
         Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
         Further events to locate in the same run, whose bits they do not change. The first terminal
-        one in time ends it. Symbols in them have the values that they have in the system.
+        one along the run ends it, and directions are along the run, too. Symbols in them have the values that they have in the system.
     derivatives : sequence of Parameter, State or str, optional
         Parameters, states (for their start values), and "t0" for the start time, by which the orbit
         is differentiated, through all its events; see `Solution.dy`. The start state is held fixed,
@@ -398,33 +462,43 @@ def solve_ivp(
     >>> (sol.t_events[0] * 6 / np.pi).round(12)
     array([1., 5.])
     """
-    backwards = "backwards in time is a run of the system with negative rates"
-    t0, t_end = pair(t_span, "t_span", backwards)
+    t0, t_end = _span(t_span)
+    is_reversed = t_end < t0
     made = settings({"method": method, **options})
     memory = None
     if isinstance(y0, Solution):
+        if is_reversed:
+            raise ValueError("a run backwards does not go on from another: give y0=sol.y[:, -1]")
         begin, memory = _end_of(y0, system, t0, made)
     else:
         begin = start(system, t0, y0)
-    if derivatives is not None and memory is not None:
-        raise ValueError("derivatives of a run that goes on from another one are not known")
+    if derivatives is not None and (memory is not None or is_reversed):
+        which = "backwards" if is_reversed else "that goes on from another one"
+        raise ValueError(f"derivatives of a run {which} are not known")
     by = variables(derivatives)
     times = None
     if t_eval is not None:
         times = array(t_eval, "t_eval")
-        for k in np.flatnonzero((times < t0) | (times > t_end))[:1]:
+        low, high = sorted((t0, t_end))
+        for k in np.flatnonzero((times < low) | (times > high))[:1]:
             bound = f"within t_span, {readable(t0)} to {readable(t_end)}"
             raise out_of_bounds(f"t_eval[{k}]", float(times[k]), bound)
-        if (np.diff(times) <= 0).any():
-            k = int(np.argmax(np.diff(times) <= 0)) + 1
+        steps = np.diff(times) * (-1 if is_reversed else 1)
+        if (steps <= 0).any():
+            k = int(np.argmax(steps <= 0)) + 1
             raise ValueError(
-                f"values in t_eval are not sorted, each larger than the one before: t_eval[{k}] = "
-                f"{float(times[k])!r} follows {float(times[k - 1])!r}"
+                f"values in t_eval are not sorted, each {'smaller' if is_reversed else 'larger'} "
+                f"than the one before: t_eval[{k}] = {float(times[k])!r} follows "
+                f"{float(times[k - 1])!r}"
             )
     given = [] if events is None else events if isinstance(events, (list, tuple)) else [events]
     watched = [one if isinstance(one, Event) else event(one) for one in given]
-    core = system._with_sections((one.function, one.direction) for one in watched)
-    with progress_report(progress, "solve_ivp", "", span=(t0, t_end)) as report:
+    core = checked(system)._with_sections((one.function, one.direction) for one in watched)
+    if is_reversed:
+        core = core.reversed()
+        begin, t_end = (0.0 - begin[0], begin[1]), 0.0 - t_end
+        times = None if times is None else 0.0 - times
+    with progress_report(progress, "solve_ivp", "", span=(begin[0], t_end)) as report:
         found = call_engine(
             _core.solve,
             core,
@@ -438,7 +512,11 @@ def solve_ivp(
             by,
             report,
         )
+    if is_reversed:
+        _in_forward_time(found)
     end = found.pop("t_end")
+    if is_reversed and found["status"] == -1:
+        found["message"] += " (the run goes backwards, and its times are the negatives of these)"
     if "raised" in found:
         found.update(status=-1, message=f"The run was interrupted at t = {end}.")
     elif found["status"] not in (0, 1):
@@ -459,8 +537,9 @@ def solve_ivp(
             message = f"there are no derivatives from there on: {slopes['lost']}"
             warnings.warn(message, SolverWarning, stacklevel=2)
     for table in ("transitions", "phases"):
-        found[table] = structured(found[table])
-    between = DenseOutput((system, begin, t_end, made, memory), end, dense)
+        found[table] = structured(found[table], system.states, by)
+    last = 0.0 - end if is_reversed else end
+    between = DenseOutput((system, begin, t_end, made, memory), last, dense, is_reversed)
     found["_memory"] = found.pop("memory")
     return make_result(
         found,
@@ -473,4 +552,5 @@ def solve_ivp(
         dy_events=_of_events(of_events, "dy", (found["y"].shape[0], len(by))),
         system=system,
         _made=made,
+        _by=tuple(by),
     )

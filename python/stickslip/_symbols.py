@@ -71,6 +71,11 @@ class Expression:
     def __repr__(self) -> str:
         return self.text
 
+    def _repr_latex_(self) -> str:
+        from ._latex import latex
+
+        return f"${latex(self.text)}$"
+
     def __add__(self, other: Any) -> Expression:
         return _binary(self, "+", other, _SUM)
 
@@ -188,6 +193,8 @@ class Expression:
 
     def __array_function__(self, function: Any, types: Any, of: Any, options: Any) -> Any:
         name = getattr(function, "__name__", str(function))
+        if name in _FUNCTIONS and not options:
+            return _call(_FUNCTIONS[name], *of)
         raise TypeError(f"np.{name} of a formula: {_INSTEAD.get(name, _KNOWN)}")
 
 
@@ -217,6 +224,8 @@ _FUNCTIONS = {
     "tanh": "tanh",
     "exp": "exp",
     "log": "ln",
+    "log10": "log10",
+    "hypot": "hypot",
     "sqrt": "sqrt",
     "absolute": "abs",
     "fabs": "abs",
@@ -224,6 +233,7 @@ _FUNCTIONS = {
     "minimum": "min",
     "fmax": "max",
     "fmin": "min",
+    "clip": "clamp",
 }
 
 # Functions that are composed of others, exact up to rounding.
@@ -233,8 +243,6 @@ _COMPOSED: dict[str, Callable[..., Expression]] = {
     "conjugate": lambda x: x,
     "square": lambda x: x**2,
     "reciprocal": lambda x: 1 / x,
-    "hypot": lambda x, y: _call("sqrt", x**2 + y**2),
-    "log10": lambda x: _call("ln", x) / _call("ln", 10),
     "log2": lambda x: _call("ln", x) / _call("ln", 2),
     "exp2": lambda x: _call("exp", x * _call("ln", 2)),
     **dict.fromkeys(["deg2rad", "radians"], lambda x: x * (pi / 180)),
@@ -256,7 +264,6 @@ _INSTEAD = {
         ["sum", "prod", "mean", "dot", "matmul"],
         "it takes a list of symbols, as np.sum([x, v]) and K @ [x, v]",
     ),
-    "clip": "write np.minimum(np.maximum(x, low), high)",
     "interp": "a table of time is ss.table, one of another argument is ss.Curve",
     "bitwise_xor": "a power is x**2",
     "cbrt": "write x**(1/3), for x > 0",

@@ -272,6 +272,11 @@ class System:
         values = listed([f"{name}={value:g}" for name, value in self.parameters.items()])
         return f"<System {self.name!r}: states {states}; {values or 'no parameters'}>"
 
+    def _repr_latex_(self) -> str:
+        from ._latex import system_latex
+
+        return system_latex(tomllib.loads(self._text))
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, System):
             return NotImplemented

@@ -95,7 +95,8 @@ def test_order_is_a_bound():
     for call, name, value, bound in (
         (lambda: ss.continuation(SYSTEM, "p", (3, 0)), "bounds", 0, "bounds[0] = 3"),
         (lambda: ss.equilibrium_continuation(SYSTEM, "p", (3, 0)), "bounds", 0, "bounds[0] = 3"),
-        (lambda: ss.solve_ivp(SYSTEM, (3, 0)), "t_span", 0, "t_span[0] = 3"),
+        (lambda: ss.solve_ivp(SYSTEM, (3, 3)), "t_span", 3, "t_span[0] = 3"),
+        (lambda: ss.ensemble(SYSTEM, [[1.0, 0]], (3, 0)), "t_span", 0, "t_span[0] = 3"),
     ):
         with pytest.raises(ss.OptionError) as caught:
             call()

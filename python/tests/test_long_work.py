@@ -69,6 +69,15 @@ LONG_WORK = [
         "and abs(part.t_events[2][-1] - part.t[-1]) < 10",
     ),
     (f"ss.solve_ivp(system, {ENDLESS}, dense_output=True)", "part.sol.t_max == part.t[-1] > 10"),
+    (
+        "ss.ensemble(system, [[1, 0], [0.5, 0]], (0, 1e9), [1.0, 1e9])",
+        "part.status.tolist() == [-1, -1] and (part.t_end > 10).all() "
+        "and np.isfinite(part.y[:, :, 0]).all() and np.isnan(part.y[:, :, 1]).all()",
+    ),
+    (
+        "ss.ensemble(system, [1, 0], (0, 1e9), [1.0], reduce=len, parameters={p: [1, 2]})",
+        "part.reduced.size == 0 and part.status.tolist() == [-1, -1]",
+    ),
     ("ss.lyapunov_spectrum(system, [1, 0], duration=1e8)", "part is None"),
     ("ss.periodic_orbit(system, [1, 0], transient=1e8)", "part is None"),
     (

@@ -20,6 +20,8 @@ system = ss.System({x: v, v: -x - 0.4 * belt.side}, contacts=[belt])
 sol = ss.solve_ivp(system, (0, 5), [0.5, 0], events=[ss.event(v, direction=-1)])
 orbit: ss.PeriodicOrbit = ss.periodic_orbit(system, [0.5, 0.0])
 basins: ss.Basins = ss.basins_of_attraction(system, [[0.5, 0.0]], rtol=1e-9, workers=1)
+many: ss.Ensemble = ss.ensemble(system, [[0.5, 0.0]], (0, 1), reduce=lambda one: one.y[0, -1])
+print(many.reduced, sol.transitions["y"], sol["t"], orbit.keys())
 print(basins.shares, float(sol.t[-1]), orbit.period, np.asarray(sol.y).shape, sol.success)
 """
 
@@ -54,7 +56,10 @@ def test_the_stubs_are_those_of_the_engine(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-MODULES = ["", "._attractors", "._errors", "._exponents", "._orbits", "._run", "._system"]
+MODULES = [
+    *("", "._attractors", "._ensemble", "._errors", "._exponents", "._orbits", "._run"),
+    *("._sympy", "._system"),
+]
 
 
 @pytest.mark.parametrize("name", MODULES)
@@ -68,6 +73,7 @@ def test_every_function_has_its_reference():
     functions = [getattr(stickslip, name) for name in stickslip.__all__]
     for one in functions:
         modules = {"stickslip._attractors", "stickslip._exponents", "stickslip._orbits"}
-        if getattr(one, "__module__", "") in modules | {"stickslip._run"}:
+        modules |= {"stickslip._run", "stickslip._ensemble", "stickslip._sympy"}
+        if getattr(one, "__module__", "") in modules:
             if callable(one) and not isinstance(one, type):
                 assert "Parameters" in one.__doc__ and "Returns" in one.__doc__, one.__name__

@@ -136,7 +136,8 @@ pub use progress::{Progress, unwatched};
 pub use result::{Balance, Counts, DataExponent, DataSpectrum, OK_ERRORS, Running, Status};
 pub use reversal::{Origin, Reversal, reversal, status_word};
 pub use series::{MAX_COLUMNS, Series};
-pub use settings::{DataSettings, Degree, Estimator, FEWEST_REFERENCES, Neighbourhood};
+pub use settings::{DataSettings, Degree, Estimator, FEWEST_REFERENCES, Given, Neighbourhood};
 pub use surrogates::{
-    FEWEST_SURROGATES, MOST_SURROGATES, Statistics, SurrogateTest, check_surrogates, surrogate_test,
+    FEWEST_SURROGATES, MOST_SURROGATES, SURROGATE_SEED, Statistics, SurrogateTest,
+    check_surrogates, surrogate_test,
 };

@@ -143,6 +143,17 @@ pub struct DataSettings {
     pub sensitivity: bool,
 }
 
+/// Settings that are wanted as they are, also for delayed values.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Given {
+    /// [`DataSettings::neighbours`].
+    pub neighbours: bool,
+    /// [`DataSettings::step`].
+    pub step: bool,
+    /// [`DataSettings::stride`].
+    pub stride: bool,
+}
+
 impl Default for DataSettings {
     fn default() -> Self {
         Self {
@@ -173,6 +184,23 @@ pub(crate) fn longest_stride(step: usize, rows: usize, references: usize) -> usi
         0 | 1 => step.max(1),
         // With a longer one there are fewer chains.
         chains => (step.div_ceil(chains - 1) - 1).max(1),
+    }
+}
+
+impl DataSettings {
+    /// [`DataSettings::delayed`], with these settings as they are.
+    pub fn delayed_but(&self, delay: usize, vectors: &Series, given: Given) -> Self {
+        let mut delayed = self.clone().delayed(delay, vectors);
+        if given.neighbours {
+            delayed.neighbours = self.neighbours;
+        }
+        if given.step {
+            (delayed.step, delayed.stride) = (self.step, 1);
+        }
+        if given.stride {
+            delayed.stride = self.stride;
+        }
+        delayed
     }
 }
 

@@ -55,6 +55,14 @@ impl System {
         Ok(System { compiled })
     }
 
+    /// The same system with time that runs backwards.
+    fn reversed(&self) -> PyResult<System> {
+        study::past::check(&self.compiled)
+            .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;
+        let compiled = self.compiled.reversed().map_err(wrong)?;
+        Ok(System { compiled })
+    }
+
     #[getter]
     fn name(&self) -> &str {
         &self.compiled.file.name
@@ -190,5 +198,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(task::unwind, module)?)?;
     module.add_function(wrap_pyfunction!(run::solve, module)?)?;
     module.add_function(wrap_pyfunction!(run::end_of, module)?)?;
+    module.add_function(wrap_pyfunction!(run::ensemble, module)?)?;
     analyses::add(module)
 }

@@ -3,23 +3,26 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use numpy::{PyArray1, PyReadonlyArray1};
+use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{EventDerivatives, OrbitDerivatives};
 use stickslip::dynamics::{
-    Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Solution, Step,
-    Summary, Transition, Vector,
+    Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Section,
+    Solution, Step, Summary, Transition, Vector, Watching,
 };
+use stickslip::error::readable;
 use stickslip::{Ending, Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::kernel::follow_on;
+use stickslip_model::kernel::{follow_all, follow_on};
+use stickslip_model::study::ensemble::by_system;
+use stickslip_model::study::past::PastWatch;
 use stickslip_model::study::{DerivativeError, FrictionWatch, StepMonitor, Variables};
 
-use crate::errors::{Keywords, failed, words};
+use crate::errors::{Failure, Keywords, computation, failed, words};
 use crate::fields::{Fields, array};
-use crate::task::{Report, SIGNAL_INTERVAL, check_signals};
+use crate::task::{ProgressKind, Report, SIGNAL_INTERVAL, check_signals, computed};
 use crate::{Settings, System};
 
 /// Checks for signals, such as Ctrl-C, at intervals, and reports the progress of the run.
@@ -96,9 +99,14 @@ struct Recording<'a> {
     events: Vec<Passages>,
     /// The run ends at this time.
     limit: f64,
-    signals: &'a mut Signals,
+    /// Without them, the system itself ends its orbits.
+    signals: Option<&'a mut Signals>,
     friction: FrictionWatch<'a>,
     monitor: StepMonitor,
+    /// With reversed time, what has no past.
+    past: Option<PastWatch<'a>>,
+    /// Place and contact of a slide that has none.
+    slide: Option<(Moment, usize)>,
     /// What looks wrong with the steps so far.
     doubtful: Vec<String>,
     /// Points at ends of steps, or at the requested times.
@@ -115,7 +123,69 @@ struct Recording<'a> {
     last: (f64, Vector),
 }
 
-impl Recording<'_> {
+/// What to record of a run, besides its phases, transitions and events.
+#[derive(Clone)]
+struct Wanted<'a> {
+    /// Numbers of passages of each event that end the run, 0 for never.
+    most: &'a [usize],
+    /// Requested times, the last one first; the ends of all steps without them.
+    requested: Option<Vec<f64>>,
+    keeps_steps: bool,
+    /// The run ends at this time.
+    limit: f64,
+    /// Whether the system is reversed in time.
+    is_reversed: bool,
+}
+
+impl Wanted<'_> {
+    /// Whether the solution over steps is needed, not only their ends.
+    fn needs_solutions(&self, system: &CompiledSystem, t_end: f64) -> bool {
+        let inside = |times: &Vec<f64>| times.iter().any(|t| *t != t_end);
+        system.contacts() > 0 || self.keeps_steps || self.requested.as_ref().is_some_and(inside)
+    }
+}
+
+impl<'a> Recording<'a> {
+    /// A recording of a run from its start.
+    fn new(
+        system: &'a CompiledSystem,
+        ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
+        wanted: Wanted<'_>,
+        signals: Option<&'a mut Signals>,
+    ) -> Self {
+        let start = (t, Vector::from_column_slice(x));
+        let mut recording = Recording {
+            events: wanted
+                .most
+                .iter()
+                .map(|&most| Passages::new(most))
+                .collect(),
+            limit: wanted.limit,
+            signals,
+            friction: FrictionWatch::new(system),
+            monitor: StepMonitor::new((t, x), t_end, options),
+            past: wanted.is_reversed.then(|| PastWatch::new(system, options)),
+            slide: None,
+            doubtful: Vec::new(),
+            points: match wanted.requested {
+                None => vec![start.clone()],
+                Some(_) => Vec::new(),
+            },
+            has_requested: wanted.requested.is_some(),
+            requested: wanted.requested,
+            phases: Vec::new(),
+            transitions: Vec::new(),
+            steps: wanted.keeps_steps.then(Vec::new),
+            last: start,
+        };
+        if let Some(requested) = &mut recording.requested {
+            while requested.pop_if(|time| *time == t).is_some() {
+                recording.points.push(recording.last.clone());
+            }
+        }
+        recording
+    }
+
     fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
             self.monitor.begin_anew();
@@ -127,6 +197,11 @@ impl Recording<'_> {
             }
             OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
             OrbitProgress::Transition(at) if at.t <= self.limit => {
+                let slide = self.past.as_ref().and_then(|past| past.transition(&at));
+                if let Some(contact) = slide {
+                    self.slide = Some((at.moment(), contact));
+                    return ControlFlow::Break(());
+                }
                 let after = Vector::from_column_slice(orbit.x());
                 self.transitions.push((at, after));
             }
@@ -137,11 +212,13 @@ impl Recording<'_> {
 
     fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let step = orbit.last_step();
-        let decision = match step.t_start > self.limit {
-            true => ControlFlow::Break(()),
-            false => self.signals.check_signals(step.t_end),
+        let decision = match (step.t_start > self.limit, &mut self.signals) {
+            (true, _) => ControlFlow::Break(()),
+            (false, Some(signals)) => signals.check_signals(step.t_end),
+            (false, None) => ControlFlow::Continue(()),
         };
         if decision.is_continue() {
+            self.slide = self.past.as_ref().and_then(|past| past.step(orbit));
             self.points_of(&step, orbit);
             self.friction.step(orbit);
             self.doubtful.extend(self.monitor.step(&step, &Keywords));
@@ -150,7 +227,10 @@ impl Recording<'_> {
         if let Some(steps) = &mut self.steps {
             steps.push((step, orbit.solution()));
         }
-        decision
+        match self.slide {
+            Some(_) => ControlFlow::Break(()),
+            None => decision,
+        }
     }
 
     /// Records the points in a step.
@@ -177,7 +257,7 @@ impl Recording<'_> {
     }
 
     /// Removes what lies after the event that ends the run.
-    fn cut(&mut self, at: &Passage) {
+    fn cut(&mut self, at: &Moment) {
         let wants_all = self.requested.is_none();
         self.transitions.retain(|(one, _)| one.t <= at.t);
         self.points.retain(|(t, _)| *t <= at.t);
@@ -195,60 +275,108 @@ impl Recording<'_> {
 }
 
 /// Result of a run.
-struct Solved<'a> {
-    recording: Recording<'a>,
+struct Solved {
+    events: Vec<Passages>,
+    points: Vec<(f64, Vector)>,
+    phases: Vec<Phase>,
+    /// Transitions, each with the state after it.
+    transitions: Vec<(Transition, Vector)>,
+    steps: Option<Vec<(Step, Solution)>>,
+    /// The end of the run.
+    last: (f64, Vector),
+    doubtful: Vec<String>,
     outcome: Result<Summary, Error>,
     memory: Option<RunMemory>,
     /// Whether an event ended the run.
     is_terminated: bool,
+    /// Place and contact of the slide that ended a run backwards.
+    slide: Option<(Moment, usize)>,
 }
 
-/// Follows an orbit. Its system has a section for each event; `most` passages of it end the run (0
-/// for never).
-fn solved<'a>(
-    system: &'a CompiledSystem,
-    most: &[usize],
-    ((t, x), t_end, options): ((f64, &[f64]), f64, &Options),
-    (requested, keeps_steps, limit): (Option<Vec<f64>>, bool, f64),
-    from: Option<&RunMemory>,
-    signals: &'a mut Signals,
-) -> Solved<'a> {
-    let start = (t, Vector::from_column_slice(x));
-    let at = Moment {
-        t,
-        x: start.1.clone(),
-    };
-    let mut recording = Recording {
-        events: most.iter().map(|&most| Passages::new(most)).collect(),
-        limit,
-        signals,
-        friction: FrictionWatch::new(system),
-        monitor: StepMonitor::new((t, x), t_end, options),
-        doubtful: Vec::new(),
-        points: match requested {
-            None => vec![start.clone()],
-            Some(_) => Vec::new(),
-        },
-        has_requested: requested.is_some(),
-        requested,
-        phases: Vec::new(),
-        transitions: Vec::new(),
-        steps: keeps_steps.then(Vec::new),
-        last: start,
-    };
-    if let Some(requested) = &mut recording.requested {
-        while requested.pop_if(|time| *time == t).is_some() {
-            recording.points.push(recording.last.clone());
+impl Recording<'_> {
+    /// The result, of a run that ended so.
+    fn finished(
+        mut self,
+        system: &CompiledSystem,
+        outcome: Result<Summary, Error>,
+        memory: Option<RunMemory>,
+    ) -> Solved {
+        // A jump at the very end leads to another state.
+        if let Ok(end) = &outcome
+            && self.last.1 != end.x
+            && end.t == self.last.0
+        {
+            let last = (end.t, end.x.clone());
+            match self.points.last_mut() {
+                Some(point) if self.has_requested && point.0 == end.t => *point = last.clone(),
+                _ if !self.has_requested => self.points.push(last.clone()),
+                _ => {}
+            }
+            self.last = last;
+        }
+        let terminal = self.events.iter().filter_map(Passages::terminal);
+        let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
+        if let Some(at) = &terminal {
+            self.cut(&at.moment());
+            let found = self.events.iter_mut().map(|event| &mut event.found);
+            found.for_each(|found| found.retain(|one| one.t <= at.t));
+        }
+        if let Some((at, _)) = self.slide.clone() {
+            self.cut(&at);
+        }
+        let mut doubtful = self.doubtful;
+        doubtful.extend(self.friction.warning());
+        doubtful.extend(self.monitor.below_tolerance(system, &Keywords));
+        Solved {
+            events: self.events,
+            points: self.points,
+            phases: self.phases,
+            transitions: self.transitions,
+            steps: self.steps,
+            last: self.last,
+            doubtful,
+            outcome,
+            // An event that ends the run leaves no step that its end has shortened.
+            memory: memory.filter(|_| terminal.is_none()),
+            is_terminated: terminal.is_some(),
+            slide: self.slide,
         }
     }
+}
+
+/// Sections of the system, one for each event. Without events the section of the system is not
+/// used.
+fn watched(system: &CompiledSystem, events: usize) -> Vec<Section> {
+    let mut sections = system.sections();
+    sections.truncate(events);
+    sections
+}
+
+/// Follows an orbit. Its system has a section for each event.
+fn solved(
+    system: &CompiledSystem,
+    run: ((f64, &[f64]), f64, &Options),
+    wanted: Wanted<'_>,
+    from: Option<&RunMemory>,
+    signals: &mut Signals,
+) -> Solved {
+    let ((t, x), t_end, options) = run;
+    let at = Moment {
+        t,
+        x: Vector::from_column_slice(x),
+    };
+    let sections = watched(system, wanted.most.len());
+    let mut recording = Recording::new(system, run, wanted, Some(signals));
+    if let Some(contact) = recording.past.as_ref().and_then(|past| past.start(&at)) {
+        let x = (&at.x).into();
+        recording.slide = Some((at, contact));
+        return recording.finished(system, Err(Error::NoUniqueFuture { t, x }), None);
+    }
     let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
-    let sections = system.sections();
-    // Without events the section of the system is not used.
-    let sections = sections.get(..most.len()).unwrap_or_default();
     let dynamics = system.dynamics();
     let begun = match from {
-        None => dynamics.begin(&at, t_end, options, sections),
-        Some(memory) => dynamics.resume(memory, t_end, options, sections),
+        None => dynamics.begin(&at, t_end, options, &sections),
+        Some(memory) => dynamics.resume(memory, t_end, options, &sections),
     };
     let mut memory = None;
     let outcome = begun.and_then(|mut orbit| {
@@ -257,33 +385,7 @@ fn solved<'a>(
         memory = orbit.memory();
         outcome
     });
-    // A jump at the very end leads to another state.
-    if let Ok(end) = &outcome
-        && recording.last.1 != end.x
-        && end.t == recording.last.0
-    {
-        let last = (end.t, end.x.clone());
-        match recording.points.last_mut() {
-            Some(point) if recording.has_requested && point.0 == end.t => *point = last.clone(),
-            _ if !recording.has_requested => recording.points.push(last.clone()),
-            _ => {}
-        }
-        recording.last = last;
-    }
-    let terminal = recording.events.iter().filter_map(Passages::terminal);
-    let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
-    if let Some(at) = &terminal {
-        recording.cut(at);
-        let found = recording.events.iter_mut().map(|event| &mut event.found);
-        found.for_each(|found| found.retain(|one| one.t <= at.t));
-    }
-    Solved {
-        recording,
-        outcome,
-        // An event that ends the run leaves no step that its end has shortened.
-        memory: memory.filter(|_| terminal.is_none()),
-        is_terminated: terminal.is_some(),
-    }
+    recording.finished(system, outcome, memory)
 }
 
 /// Time and state of the end of a run.
@@ -312,6 +414,7 @@ pub(crate) fn solve<'py>(
     derivatives: Vec<String>,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
+    let is_reversed = system.compiled.file.is_reversed;
     let (t_end, limit) = until;
     let from: Option<RunMemory> = from.map(remembered).transpose()?;
     let options = settings.options()?;
@@ -324,14 +427,20 @@ pub(crate) fn solve<'py>(
         checked.map_err(|error| failed(&error, Some(&system.compiled)))?;
     }
     let mut signals = Signals::new(report);
-    let wanted = (requested, dense_output, limit);
+    let wanted = Wanted {
+        most: &most,
+        requested,
+        keeps_steps: dense_output,
+        limit,
+        is_reversed,
+    };
     let compiled = &system.compiled;
     let variables = Variables::named(compiled, derivatives.iter().map(String::as_str));
     let variables = variables.map_err(|error| {
         PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
     })?;
     let run = ((t, &x[..]), t_end, &options);
-    let solved = py.detach(|| solved(compiled, &most, run, wanted, from.as_ref(), &mut signals));
+    let solved = py.detach(|| solved(compiled, run, wanted, from.as_ref(), &mut signals));
     let found = match derivatives.is_empty() {
         true => None,
         false => Some(py.detach(|| differentiated(compiled, &variables, run, most.len(), &solved))),
@@ -357,13 +466,12 @@ fn differentiated(
     variables: &Variables,
     (start, t_end, options): ((f64, &[f64]), f64, &Options),
     events: usize,
-    solved: &Solved<'_>,
+    solved: &Solved,
 ) -> Result<OrbitDerivatives, DerivativeError> {
-    let recording = &solved.recording;
-    let mut times: Vec<f64> = recording.points.iter().map(|point| point.0).collect();
+    let mut times: Vec<f64> = solved.points.iter().map(|point| point.0).collect();
     let wanted = times.len();
     // A jump that falls on the end leads to the last state.
-    let last = recording.points.last().zip(recording.transitions.last());
+    let last = solved.points.last().zip(solved.transitions.last());
     let is_behind = |(point, (at, after)): &(&(f64, Vector), &(Transition, Vector))| {
         point.0 == at.t && point.1 == *after && *after != at.x
     };
@@ -373,10 +481,9 @@ fn differentiated(
         times.push(times[wanted - 1]);
     }
     // Events go on behind the last requested time.
-    times.extend(Some(recording.last.0).filter(|last| times.last().is_none_or(|t| t < last)));
-    let sections = system.sections();
-    let sections = sections.get(..events).unwrap_or_default();
-    let mut found = variables.along(system, (start, t_end), (&times, sections), options)?;
+    times.extend(Some(solved.last.0).filter(|last| times.last().is_none_or(|t| t < last)));
+    let sections = watched(system, events);
+    let mut found = variables.along(system, (start, t_end), (&times, &sections), options)?;
     if is_behind {
         found.states.remove(wanted - 1);
     }
@@ -384,9 +491,9 @@ fn differentiated(
     variables.fit(
         system,
         &mut found,
-        recording.transitions.iter().map(|(at, _)| at.t),
+        solved.transitions.iter().map(|(at, _)| at.t),
     );
-    for (number, event) in recording.events.iter().enumerate() {
+    for (number, event) in solved.events.iter().enumerate() {
         let mut left = event.found.len();
         found.passages.retain(|(of, _)| {
             let is_kept = *of != number || left > 0;
@@ -443,110 +550,282 @@ fn remembered(text: &str) -> PyResult<RunMemory> {
     })
 }
 
+/// Status and message of a run; the error of one that failed at its start.
+fn status(solved: &Solved, system: &CompiledSystem, t_start: f64) -> Result<(i32, String), Error> {
+    match (&solved.slide, &solved.outcome) {
+        (Some((at, contact)), _) => Ok((2, no_past(system, at.t, *contact))),
+        _ if solved.is_terminated => Ok((1, "A termination event occurred.".to_owned())),
+        (None, Ok(summary)) => Ok(ending(summary, system)),
+        // An error at the start leaves no result to return.
+        (None, Err(error)) if solved.last.0 == t_start => Err(error.clone()),
+        (None, Err(error)) => Ok((-1, words(error, system))),
+    }
+}
+
+/// Why a run backwards ends at a slide. Its times are negative.
+fn no_past(system: &CompiledSystem, t: f64, contact: usize) -> String {
+    format!(
+        "the past is not unique: at t = {} the orbit comes from a slide along the boundary of {}, \
+         into which many orbits lead; end t_span behind that time",
+        readable(0.0 - t),
+        system.contact_name(contact)
+    )
+}
+
 /// The result of a run, for Python.
 fn described<'py>(
     py: Python<'py>,
     system: &CompiledSystem,
-    solved: Solved<'_>,
+    solved: Solved,
     (t_start, states): (f64, usize),
 ) -> PyResult<Fields<'py>> {
-    let Solved {
-        recording,
-        outcome,
-        memory,
-        is_terminated,
-    } = solved;
-    let (status, message) = match &outcome {
-        _ if is_terminated => (1, "A termination event occurred.".to_owned()),
-        Ok(summary) => ending(summary, system),
-        // An error at the start leaves no result to return.
-        Err(error) if recording.last.0 == t_start => return Err(failed(error, Some(system))),
-        Err(error) => (-1, words(error, system)),
-    };
+    if let Some((at, contact)) = &solved.slide
+        && at.t == t_start
+    {
+        let message = no_past(system, at.t, *contact);
+        let (t, x) = (0.0 - at.t, (&at.x).into());
+        let place = Error::NoUniqueFuture { t, x };
+        return Err(computation("NoUniquePast", &message, Some(&place)));
+    }
+    let status = status(&solved, system, t_start);
+    let (status, message) = status.map_err(|error| failed(&error, Some(system)))?;
     let fields = Fields::new(py);
-    let points = &recording.points;
+    let points = &solved.points;
     fields.numbers("t", points.iter().map(|point| point.0))?;
     fields.rows("y", points.iter().map(|point| &point.1), states)?;
     let stops = system.file.stops.len();
     if stops > 0 {
-        let reactions = reactions(system, &recording)?;
+        let reactions = reactions(system, &solved)?;
         fields.array("forces", reactions, [stops])?;
     }
-    let events = recording.events.iter().map(|event| {
+    let events = solved.events.iter().map(|event| {
         let found = &event.found;
         let times = PyArray1::from_iter(py, found.iter().map(|at| at.t));
         let x = found.iter().flat_map(|at| at.x.iter().copied());
         Ok((times, array(py, x.collect(), [states])?))
     });
     fields.put("events", events.collect::<PyResult<Vec<_>>>()?)?;
-    let memory = memory.and_then(|memory| serde_json::to_string(&memory).ok());
+    let memory = solved.memory.as_ref();
+    let memory = memory.and_then(|memory| serde_json::to_string(memory).ok());
     fields.put("memory", memory)?;
     fields.put("status", status)?;
     fields.put("message", message)?;
-    let calls = outcome.as_ref().ok();
+    let calls = solved.outcome.as_ref().ok();
     fields.put("nfev", calls.map(|summary| summary.counters.field_calls))?;
-    fields.put("t_end", recording.last.0)?;
+    fields.put("t_end", solved.last.0)?;
     let transitions = Fields::new(py);
-    let all = &recording.transitions;
-    let changes = || all.iter().map(|(at, _)| at);
-    transitions.numbers("t", changes().map(|at| at.t))?;
-    transitions.words("kind", changes().map(|at| at.kind), |kind| kind.name())?;
-    let contact = |&number: &usize| system.contact_name(number);
-    transitions.words("contact", changes().map(|at| at.contact), contact)?;
-    let letters = |modes: &Modes| system.letters(modes);
-    transitions.words("from_mode", changes().map(|at| at.from), letters)?;
-    transitions.words("to_mode", changes().map(|at| at.to), letters)?;
-    transitions.rows("y_before", changes().map(|at| &at.x), states)?;
-    transitions.rows("y", all.iter().map(|(_, after)| after), states)?;
-    transitions.numbers("residual", changes().map(|at| at.residual))?;
-    if stops > 0 {
-        let impulses = |at: &Transition| system.impulses(at.contact, at.t, at.x.as_slice());
-        let impulses = changes().flat_map(impulses).map(|impulse| impulse + 0.0);
-        transitions.array("impulse", impulses.collect(), [stops])?;
-    }
+    add_transitions(&transitions, system, &mut || solved.transitions.iter())?;
     fields.fields("transitions", transitions)?;
     let phases = Fields::new(py);
-    let all = &recording.phases;
-    phases.numbers("t_start", all.iter().map(|phase| phase.t_start))?;
-    phases.numbers("t_end", all.iter().map(|phase| phase.t_end))?;
-    phases.words("mode", all.iter().map(|phase| phase.mode), letters)?;
-    phases.rows("y_start", all.iter().map(|phase| &phase.x_start), states)?;
-    phases.rows("y_end", all.iter().map(|phase| &phase.x_end), states)?;
+    add_phases(&phases, system, &mut || solved.phases.iter())?;
     fields.fields("phases", phases)?;
-    let mut doubtful = recording.doubtful;
-    doubtful.extend(recording.friction.warning());
-    doubtful.extend(recording.monitor.below_tolerance(system, &Keywords));
-    fields.put("doubtful", doubtful)?;
-    let end = recording.last;
-    let dense = recording.steps.map(|steps| Dense { steps, end });
+    fields.put("doubtful", solved.doubtful)?;
+    let end = solved.last;
+    let dense = solved.steps.map(|steps| Dense { steps, end });
     fields.put("sol", dense)?;
     Ok(fields)
 }
 
 /// The reactions of all stops at the points, in the phases of these. Of two points of one time,
 /// between which the state jumps, the second is in the next phase.
-fn reactions(system: &CompiledSystem, recording: &Recording<'_>) -> PyResult<Vec<f64>> {
+fn reactions(system: &CompiledSystem, solved: &Solved) -> PyResult<Vec<f64>> {
     let quantities = system.quantities(&[]);
     let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
-    let mut phases = recording.phases.iter().peekable();
+    let mut phases = solved.phases.iter().peekable();
     let mut all = Vec::new();
     let mut last = f64::NAN;
-    for (t, x) in &recording.points {
+    for (t, x) in &solved.points {
         let is_over = |phase: &&Phase| phase.t_end < *t || phase.t_end == *t && last == *t;
         let mut before = None;
         while let Some(phase) = phases.next_if(is_over) {
             before = Some(phase);
         }
         last = *t;
-        let phase = phases
-            .peek()
-            .copied()
-            .or(before)
-            .or(recording.phases.last());
+        let phase = phases.peek().copied().or(before).or(solved.phases.last());
         let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
         all.extend(quantities.at(&mode, *t, x.as_slice()));
     }
     Ok(all)
+}
+
+/// Adds the columns of transitions, each with the state after it.
+fn add_transitions<'s, I: Iterator<Item = &'s (Transition, Vector)>>(
+    table: &Fields<'_>,
+    system: &CompiledSystem,
+    all: &mut dyn FnMut() -> I,
+) -> PyResult<()> {
+    let states = system.states();
+    let letters = |modes: &Modes| system.letters(modes);
+    let contact = |&number: &usize| system.contact_name(number);
+    table.numbers("t", all().map(|(at, _)| at.t))?;
+    table.words("kind", all().map(|(at, _)| at.kind), |kind| kind.name())?;
+    table.words("contact", all().map(|(at, _)| at.contact), contact)?;
+    table.words("from_mode", all().map(|(at, _)| at.from), letters)?;
+    table.words("to_mode", all().map(|(at, _)| at.to), letters)?;
+    table.rows("y_before", all().map(|(at, _)| &at.x), states)?;
+    table.rows("y", all().map(|(_, after)| after), states)?;
+    table.numbers("residual", all().map(|(at, _)| at.residual))?;
+    let stops = system.file.stops.len();
+    if stops > 0 {
+        let impulses =
+            |(at, _): &(Transition, Vector)| system.impulses(at.contact, at.t, at.x.as_slice());
+        let impulses = all().flat_map(impulses).map(|impulse| impulse + 0.0);
+        table.array("impulse", impulses.collect(), [stops])?;
+    }
+    Ok(())
+}
+
+/// Adds the columns of phases.
+fn add_phases<'s, I: Iterator<Item = &'s Phase>>(
+    table: &Fields<'_>,
+    system: &CompiledSystem,
+    all: &mut dyn FnMut() -> I,
+) -> PyResult<()> {
+    let states = system.states();
+    let letters = |modes: &Modes| system.letters(modes);
+    table.numbers("t_start", all().map(|phase| phase.t_start))?;
+    table.numbers("t_end", all().map(|phase| phase.t_end))?;
+    table.words("mode", all().map(|phase| phase.mode), letters)?;
+    table.rows("y_start", all().map(|phase| &phase.x_start), states)?;
+    table.rows("y_end", all().map(|phase| &phase.x_end), states)
+}
+
+/// Follows the orbit from each start, all to the same end, with the bits of single runs. Each has
+/// its values of the named parameters.
+#[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are those of a call from Python"
+)]
+pub(crate) fn ensemble<'py>(
+    py: Python<'py>,
+    system: &System,
+    starts: PyReadonlyArray2<'py, f64>,
+    parameters: (Vec<String>, PyReadonlyArray2<'py, f64>),
+    span: (f64, f64),
+    most: Vec<usize>,
+    t_eval: Option<PyReadonlyArray1<'py, f64>>,
+    workers: usize,
+    settings: Settings,
+    report: Report,
+) -> PyResult<Bound<'py, PyDict>> {
+    let ((t, t_end), compiled, options) = (span, &system.compiled, settings.options()?);
+    let requested: Option<Vec<f64>> =
+        t_eval.map(|times| times.as_array().iter().rev().copied().collect());
+    let rows = |of: &PyReadonlyArray2<'py, f64>| -> Vec<Vec<f64>> {
+        let rows = of.as_array();
+        rows.rows().into_iter().map(|row| row.to_vec()).collect()
+    };
+    let (starts, names, values) = (rows(&starts), parameters.0, rows(&parameters.1));
+    let wanted = Wanted {
+        most: &most,
+        requested,
+        keeps_steps: false,
+        limit: f64::INFINITY,
+        is_reversed: compiled.file.is_reversed,
+    };
+    let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
+        let system = task.system(compiled)?;
+        by_system(&system, &names, &values, |system, numbers| {
+            let own: Vec<&[f64]> = numbers.iter().map(|&number| &*starts[number]).collect();
+            let found = side_by_side(system, &own, ((t, t_end), &options), &wanted);
+            numbers.iter().for_each(|_| task.count());
+            Ok::<_, Failure>(found)
+        })
+    })?;
+    let (found, raised) = outcome.kept(|error| error.raised(compiled))?;
+    described_all(py, compiled, &found, t)?.ended(raised)
+}
+
+/// Follows orbits of one system.
+fn side_by_side(
+    system: &CompiledSystem,
+    starts: &[&[f64]],
+    ((t, t_end), options): ((f64, f64), &Options),
+    wanted: &Wanted<'_>,
+) -> Vec<Solved> {
+    let moments: Vec<Moment> = starts
+        .iter()
+        .map(|x| Moment {
+            t,
+            x: Vector::from_column_slice(x),
+        })
+        .collect();
+    let recording = |x: &&[f64]| {
+        let run = ((t, *x), t_end, options);
+        Recording::new(system, run, wanted.clone(), None)
+    };
+    let mut recordings: Vec<Recording<'_>> = starts.iter().map(recording).collect();
+    let sections = watched(system, wanted.most.len());
+    let watching = Watching {
+        sections: &sections,
+        solutions: wanted.needs_solutions(system, t_end),
+    };
+    let dynamics = system.dynamics();
+    let watcher = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
+        recordings[number].watch(progress, orbit)
+    };
+    let ended = follow_all(dynamics, &moments, t_end, options, watching, watcher);
+    let both = recordings.into_iter().zip(ended);
+    both.map(|(recording, ended)| recording.finished(system, ended, None))
+        .collect()
+}
+
+/// The results of many runs, for Python: numbers of rows of each run, and all rows.
+fn described_all<'py>(
+    py: Python<'py>,
+    system: &CompiledSystem,
+    all: &[Solved],
+    t_start: f64,
+) -> PyResult<Fields<'py>> {
+    let states = system.states();
+    let counts = |of: &dyn Fn(&Solved) -> usize| -> Vec<i64> {
+        all.iter().map(|one| of(one) as i64).collect()
+    };
+    let fields = Fields::new(py);
+    let points = || all.iter().flat_map(|one| &one.points);
+    fields.integers("points", counts(&|one| one.points.len()))?;
+    fields.numbers("t", points().map(|point| point.0))?;
+    fields.rows("y", points().map(|point| &point.1), states)?;
+    fields.numbers("t_end", all.iter().map(|one| one.last.0))?;
+    fields.rows("y_end", all.iter().map(|one| &one.last.1), states)?;
+    let ends = all.iter().map(|one| {
+        let failed = |error: Error| (-1, words(&error, system));
+        status(one, system, t_start).unwrap_or_else(failed)
+    });
+    let ends: Vec<(i32, String)> = ends.collect();
+    fields.integers("status", ends.iter().map(|end| i64::from(end.0)))?;
+    fields.texts("message", ends.iter().map(|end| &end.1))?;
+    let calls = all.iter().map(|one| {
+        let calls = one.outcome.as_ref().ok();
+        calls.map(|summary| summary.counters.field_calls as f64)
+    });
+    fields.optional_numbers("nfev", calls)?;
+    let doubts = all.iter().map(|one| one.doubtful.join("; "));
+    fields.texts("doubtful", doubts)?;
+    let transitions = Fields::new(py);
+    add_transitions(&transitions, system, &mut || {
+        all.iter().flat_map(|one| &one.transitions)
+    })?;
+    fields.integers("transition_counts", counts(&|one| one.transitions.len()))?;
+    fields.fields("transitions", transitions)?;
+    let phases = Fields::new(py);
+    add_phases(&phases, system, &mut || {
+        all.iter().flat_map(|one| &one.phases)
+    })?;
+    fields.integers("phase_counts", counts(&|one| one.phases.len()))?;
+    fields.fields("phases", phases)?;
+    let events = all.first().map_or(0, |one| one.events.len());
+    let events = (0..events).map(|number| {
+        let found = || all.iter().flat_map(|one| &one.events[number].found);
+        let own = Fields::new(py);
+        own.integers("counts", counts(&|one| one.events[number].found.len()))?;
+        own.numbers("t", found().map(|at| at.t))?;
+        own.rows("y", found().map(|at| &at.x), states)?;
+        own.ended(None)
+    });
+    fields.put("events", events.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(fields)
 }
 
 /// Status and message of a run that did not fail.

@@ -62,6 +62,10 @@ impl SurrogateTest {
     }
 }
 
+/// Seed of the surrogates of the program and the Python package. It is fixed so that results are
+/// reproducible.
+pub const SURROGATE_SEED: u64 = 19_920_901;
+
 /// Whether a test can be made with so many surrogates.
 ///
 /// # Errors

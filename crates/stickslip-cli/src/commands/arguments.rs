@@ -132,7 +132,11 @@ impl StartArguments {
     }
 
     /// Start time and start state; the states `replaced` need no value.
-    fn except(&self, system: &System, replaced: &[usize]) -> Result<(f64, Vec<f64>), Failure> {
+    pub(super) fn except(
+        &self,
+        system: &System,
+        replaced: &[usize],
+    ) -> Result<(f64, Vec<f64>), Failure> {
         let names = || system.file.states.iter().map(|state| state.name.as_str());
         let mut given = system.built.starts.clone();
         for &state in replaced {

@@ -22,6 +22,7 @@ mod resume;
 mod search;
 mod simulate;
 mod spectrum;
+mod starts;
 mod sweeping;
 mod tangents;
 mod trajectory;

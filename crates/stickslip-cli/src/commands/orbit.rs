@@ -50,6 +50,7 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
     let wanted = Wanted {
         figures: true,
         steps: false,
+        progress: true,
     };
     let (start, quantities) = ((orbit.t, x), system.quantities(&[])?);
     let (recording, outcome) =

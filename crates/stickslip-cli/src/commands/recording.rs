@@ -41,6 +41,8 @@ const MANY_STEPS: u64 = 1_000_000;
 pub(super) struct Wanted {
     pub(super) figures: bool,
     pub(super) steps: bool,
+    /// Whether the terminal shows the progress of the run, and warnings while it runs.
+    pub(super) progress: bool,
 }
 
 /// Content of the figures of an orbit.
@@ -238,7 +240,7 @@ pub(super) struct Recording {
     wanted: Wanted,
     t_end: f64,
     monitor: StepMonitor,
-    progress: DelayedProgressBar,
+    progress: Option<DelayedProgressBar>,
 }
 
 impl Recording {
@@ -272,7 +274,9 @@ impl Recording {
             wanted,
             t_end,
             monitor: StepMonitor::new(start, t_end, options),
-            progress: DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go"),
+            progress: wanted
+                .progress
+                .then(|| DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go")),
             begin,
         };
         let mut friction = FrictionWatch::new(system);
@@ -318,7 +322,9 @@ impl Recording {
             recording.observe(&mut quantities);
             recording.end.x.clone_from(&end.x);
         }
-        recording.progress.clear();
+        if let Some(progress) = recording.progress.take() {
+            progress.clear();
+        }
         recording.doubtful.extend(friction.warning());
         let below = recording.monitor.below_tolerance(system, &CommandLine);
         recording.doubtful.extend(below);
@@ -331,6 +337,16 @@ impl Recording {
             self.steps.push(t);
             self.steps.extend(x);
         }
+    }
+
+    /// The rows of time and states, each with its quantities.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+        let (names, values) = &self.quantities;
+        let (count, rows) = (names.len(), self.steps.chunks_exact(1 + self.begin.x.len()));
+        rows.enumerate().map(move |(k, row)| {
+            let own = values.get(k * count..(k + 1) * count);
+            (row, own.unwrap_or_default())
+        })
     }
 
     /// Computes the quantities of the rows that have none, in the mode of the last step.
@@ -354,10 +370,11 @@ impl Recording {
     fn step(&mut self, orbit: &mut dyn OrbitUnderWay, quantities: &mut Quantities<'_>) {
         let step = orbit.last_step();
         self.mode = Some(step.mode);
-        if let Some(warning) = self.monitor.step(&step, &CommandLine) {
-            note(&format!("warning: {warning}"));
+        match self.monitor.step(&step, &CommandLine) {
+            Some(warning) if self.wanted.progress => note(&format!("warning: {warning}")),
+            warning => self.doubtful.extend(warning),
         }
-        if orbit.counters().steps == MANY_STEPS {
+        if self.wanted.progress && orbit.counters().steps == MANY_STEPS {
             let advice = match (self.wanted.steps, self.wanted.figures) {
                 (false, false) => "",
                 _ => "; --no-steps and --no-figures save memory and time",
@@ -380,8 +397,9 @@ impl Recording {
         }
         let (from, to) = (self.begin.t, self.t_end);
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
-        self.progress
-            .done((part * FINENESS) as u64, FINENESS as u64);
+        if let Some(progress) = &self.progress {
+            progress.done((part * FINENESS) as u64, FINENESS as u64);
+        }
         (self.end.t, self.end.x) = (step.t_end, step.x_end);
     }
 

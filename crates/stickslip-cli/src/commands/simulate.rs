@@ -11,7 +11,8 @@ use super::arguments::{PreparedRun, RunArguments};
 use super::derivatives;
 use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
 use super::resume::End;
-use super::trajectory::{self, transitions};
+use super::starts;
+use super::trajectory::{self, numbered, transitions};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, by_state};
 use stickslip_model::file::System;
@@ -19,7 +20,8 @@ use stickslip_model::file::System;
 /// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///
 /// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section),
-/// portrait.svg, history.svg, and end.json, from which --resume goes on.
+/// portrait.svg, history.svg, and end.json, from which --resume goes on. With --starts the tables
+/// are those of all orbits.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
@@ -31,6 +33,13 @@ pub(super) struct Arguments {
     /// single run.
     #[arg(long, value_name = "PATH", conflicts_with_all = ["start", "t_start"])]
     resume: Option<PathBuf>,
+    /// Follow an orbit from each row of a table, whose columns are states and parameters by name
+    ///
+    /// States that are no column start as they do without the table. orbits.csv has the end of each
+    /// orbit, and the other tables have a column `orbit`, counted from 1. An orbit that fails keeps
+    /// the others. No figures are drawn.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["resume", "derivatives"])]
+    starts: Option<String>,
     /// Also write the derivatives of states and times of events by these parameters, start values
     /// of states, or the time of the start, which is t0: derivatives.csv, with a row for each of
     /// steps.csv, and event_derivatives.csv, with one for each transition
@@ -52,6 +61,10 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
+    if let Some(file) = &arguments.starts {
+        let with = (&*observed(arguments)?, !arguments.no_steps);
+        return starts::run(&arguments.run, file, arguments.t_end, with);
+    }
     let Some(path) = &arguments.resume else {
         return arguments
             .run
@@ -70,6 +83,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     })
 }
 
+/// The end of a run, as given or as in the file.
+pub(super) fn end_time(system: &System, given: Option<f64>) -> Result<f64, Failure> {
+    given.or(system.built.t_end).ok_or_else(|| {
+        Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
+    })
+}
+
+/// Names and formulas of what is observed.
+fn observed(arguments: &Arguments) -> Result<Vec<(&str, &str)>, Failure> {
+    let observed = arguments.observe.iter();
+    let observed = observed.map(|text| match text.split_once('=') {
+        Some((name, formula)) => Ok((name.trim(), formula.trim())),
+        None => Err(Failure::Usage(format!(
+            "--observe {text}: write a name and a formula, as in --observe \"power = v*f\""
+        ))),
+    });
+    observed.collect()
+}
+
 fn followed(
     prepared: &PreparedRun,
     arguments: &Arguments,
@@ -81,9 +113,7 @@ fn followed(
         t,
         x,
     } = prepared;
-    let t_end = arguments.t_end.or(system.built.t_end).ok_or_else(|| {
-        Failure::Usage("the end time is missing; give --t-end, or `end` in [time]".into())
-    })?;
+    let t_end = end_time(system, arguments.t_end)?;
     // A jump may end the run earlier.
     if system.file.jumps.iter().all(|jump| jump.most.is_none()) {
         options.check_span(*t, t_end)?;
@@ -95,18 +125,9 @@ fn followed(
     let wanted = Wanted {
         figures: !arguments.no_figures,
         steps: !arguments.no_steps,
+        progress: true,
     };
-    let observed = arguments
-        .observe
-        .iter()
-        .map(|text| match text.split_once('=') {
-            Some((name, formula)) => Ok((name.trim(), formula.trim())),
-            None => Err(Failure::Usage(format!(
-                "--observe {text}: write a name and a formula, as in --observe \"power = v*f\""
-            ))),
-        });
-    let observed = observed.collect::<Result<Vec<_>, Failure>>()?;
-    let quantities = system.quantities(&observed)?;
+    let quantities = system.quantities(&observed(arguments)?)?;
     let (from, start) = (from.as_ref(), (*t, &x[..]));
     let (mut recording, outcome) =
         Recording::of(system, start, t_end, options, wanted, from, quantities);
@@ -131,35 +152,38 @@ fn followed(
         report.table(End::of(system, options, memory).artifact()?);
     }
     if wanted.steps {
-        let (names, values) = &recording.quantities;
+        let names = recording.quantities.0.clone();
         let steps = Table::new()
             .column("t", |row: &(&[f64], &[f64])| row.0[0])
             .state(system, "", |row| row.0[1..].to_vec())
-            .many("quantities", names.clone(), |row| row.1.to_vec());
-        let rows = recording.steps.chunks_exact(1 + system.states());
-        let count = names.len();
-        let rows = rows.enumerate().map(|(k, row)| {
-            let own = values.get(k * count..(k + 1) * count);
-            (row, own.unwrap_or_default())
-        });
-        report.table(steps.csv("steps", rows)?);
+            .many("quantities", names, |row| row.1.to_vec());
+        report.table(steps.csv("steps", recording.rows())?);
     }
-    let passages = Table::new()
-        .column("t", |at: &&Passage| at.t)
-        .column("direction", |at| direction_name(at.direction))
-        .state(system, "", |at| at.x.clone());
+    let passages = passage_columns(system, false);
+    let rows = || recording.passages.iter().map(|at| (0, at));
     if !system.sections().is_empty() {
-        report.table(passages.csv("section", &recording.passages)?);
+        report.table(passages.csv("section", rows())?);
     }
     if lists {
-        report.field("section", passages.json(&recording.passages));
+        report.field("section", passages.json(rows()));
     }
     report.field("error", &failure).failure(failure);
     Ok(report)
 }
 
+/// The columns of passages of the section, each with the number of its orbit.
+pub(super) fn passage_columns<'a>(
+    system: &System,
+    is_numbered: bool,
+) -> Table<'a, (usize, &'a Passage)> {
+    numbered(is_numbered, |&(orbit, _): &(usize, &Passage)| orbit)
+        .column("t", |(_, at)| at.t)
+        .column("direction", |(_, at)| direction_name(at.direction))
+        .state(system, "", |(_, at)| at.x.clone())
+}
+
 /// How a run ended, in words.
-fn ending(ended: Option<&Summary>) -> &'static str {
+pub(super) fn ending(ended: Option<&Summary>) -> &'static str {
     match ended.map(|ended| ended.ending) {
         Some(Ending::EndTime) => "end time",
         Some(Ending::Repelling) => "no unique future: the boundary repels",
@@ -229,7 +253,8 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists
     };
     report.line("transitions", counts);
     if lists {
-        let list = transitions(system).json(&recording.transitions);
+        let rows = recording.transitions.iter().map(|at| (0, at));
+        let list = transitions(system, false).json(rows);
         report.field("transitions", list);
     }
 

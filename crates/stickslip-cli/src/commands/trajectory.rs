@@ -48,29 +48,12 @@ pub(super) fn put(
     recording: &Recording,
     report: &mut Report,
 ) -> Result<(), OutputError> {
-    let phases = Table::new()
-        .column("phase", |&(k, _): &(usize, &Phase)| k)
-        .column("t_start", |(_, phase)| phase.t_start)
-        .column("t_end", |(_, phase)| phase.t_end)
-        .column("duration", |(_, phase)| phase.duration())
-        .modes(system, ("modes", ""), |(_, phase)| phase.mode);
-    let phases = match system.file.jumps.is_empty() {
-        true => phases,
-        false => phases.column("jump", |(_, phase)| {
-            let number = phase.mode.jump().map(|jump| system.contacts() + jump);
-            number.map(|number| system.contact_name(number))
-        }),
-    };
-    let phases = phases
-        .state(system, "_start", |(_, phase)| phase.x_start.clone())
-        .state(system, "_end", |(_, phase)| phase.x_end.clone());
-    let transitions = transitions(system).column("residual", |at| match at {
-        Occurrence::Transition(at) => Some(at.residual),
-        Occurrence::Kink(_) => None,
-    });
+    let phases = (1..).zip(&recording.phases);
+    let phases = phases.map(|(k, phase)| (0, k, phase));
+    let transitions = recording.transitions.iter().map(|at| (0, at));
     report
-        .table(phases.csv("phases", (1..).zip(&recording.phases))?)
-        .table(transitions.csv("transitions", &recording.transitions)?);
+        .table(phase_columns(system, false).csv("phases", phases)?)
+        .table(transitions_with_residuals(system, false).csv("transitions", transitions)?);
     if let Some(pictures) = &recording.pictures {
         report.figure("history", &history(system, recording, pictures));
         if system.states() > 1 {
@@ -80,24 +63,78 @@ pub(super) fn put(
     Ok(())
 }
 
+/// A table with a column for the number of the orbit, if `is_numbered`.
+pub(super) fn numbered<'a, R>(
+    is_numbered: bool,
+    number: impl Fn(&R) -> usize + 'a,
+) -> Table<'a, R> {
+    match is_numbered {
+        true => Table::new().column("orbit", number),
+        false => Table::new(),
+    }
+}
+
+/// A phase with the number of its orbit and its number there.
+pub(super) type PhaseRow<'a> = (usize, usize, &'a Phase);
+
+/// The columns of phases.
+pub(super) fn phase_columns<'a>(system: &'a System, is_numbered: bool) -> Table<'a, PhaseRow<'a>> {
+    let phases = numbered(is_numbered, |&(orbit, ..): &PhaseRow<'_>| orbit)
+        .column("phase", |&(_, k, _)| k)
+        .column("t_start", |(.., phase)| phase.t_start)
+        .column("t_end", |(.., phase)| phase.t_end)
+        .column("duration", |(.., phase)| phase.duration())
+        .modes(system, ("modes", ""), |(.., phase)| phase.mode);
+    let phases = match system.file.jumps.is_empty() {
+        true => phases,
+        false => phases.column("jump", |(.., phase)| {
+            let number = phase.mode.jump().map(|jump| system.contacts() + jump);
+            number.map(|number| system.contact_name(number))
+        }),
+    };
+    phases
+        .state(system, "_start", |(.., phase)| phase.x_start.clone())
+        .state(system, "_end", |(.., phase)| phase.x_end.clone())
+}
+
+/// A transition with the number of its orbit.
+pub(super) type TransitionRow<'a> = (usize, &'a Occurrence);
+
 /// The columns of transitions.
-pub(super) fn transitions<'a>(system: &'a System) -> Table<'a, &'a Occurrence> {
-    let table = Table::new()
-        .column("t", |at: &&Occurrence| at.t())
-        .column("kind", |at| at.kind(system))
-        .column("contact", |at| at.of(system))
-        .modes(system, ("from", "from_"), |at| at.modes()[0])
-        .modes(system, ("to", "to_"), |at| at.modes()[1])
-        .state(system, "", |at| at.x().clone());
+pub(super) fn transitions<'a>(
+    system: &'a System,
+    is_numbered: bool,
+) -> Table<'a, TransitionRow<'a>> {
+    let table = numbered(is_numbered, |&(orbit, _): &TransitionRow<'_>| orbit)
+        .column("t", |(_, at)| at.t())
+        .column("kind", |(_, at)| at.kind(system))
+        .column("contact", |(_, at)| at.of(system))
+        .modes(system, ("from", "from_"), |(_, at)| at.modes()[0])
+        .modes(system, ("to", "to_"), |(_, at)| at.modes()[1])
+        .state(system, "", |(_, at)| at.x().clone());
     let stops = system.file.stops.iter().enumerate();
     stops.fold(table, |table, (stop, entry)| {
-        table.column(&format!("{}.impulse", entry.name), move |at| match at {
-            Occurrence::Transition(at) if at.kind == TransitionKind::Jump => {
-                let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
-                impulses.get(stop).map(|impulse| impulse + 0.0)
-            }
-            _ => None,
-        })
+        table.column(
+            &format!("{}.impulse", entry.name),
+            move |(_, at)| match at {
+                Occurrence::Transition(at) if at.kind == TransitionKind::Jump => {
+                    let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
+                    impulses.get(stop).map(|impulse| impulse + 0.0)
+                }
+                _ => None,
+            },
+        )
+    })
+}
+
+/// The columns of transitions, and how far the boundary is from zero.
+pub(super) fn transitions_with_residuals<'a>(
+    system: &'a System,
+    is_numbered: bool,
+) -> Table<'a, TransitionRow<'a>> {
+    transitions(system, is_numbered).column("residual", |(_, at)| match at {
+        Occurrence::Transition(at) => Some(at.residual),
+        Occurrence::Kink(_) => None,
     })
 }
 

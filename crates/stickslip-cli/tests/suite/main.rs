@@ -10,4 +10,5 @@ mod model_2_page;
 mod public_cases;
 mod spectrum;
 mod spectrum_embedding;
+mod starts;
 mod tables;

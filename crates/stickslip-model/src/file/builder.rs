@@ -244,6 +244,7 @@ impl<'a> Builder<'a> {
                 let sum = part.and_then(|part| self.graph.binary(Binary::Sum, rate, part));
                 rate = sum.map_err(|error| no_number(error, acts.whole()))?;
             }
+            let rate = self.directed(rate, formula.whole())?;
             built.push(self.in_time(rate, formula.whole())?);
         }
         for _ in 0..self.inputs.count_free() {
@@ -279,6 +280,15 @@ impl<'a> Builder<'a> {
         };
         self.forces = Some(forces.clone());
         Ok(forces)
+    }
+
+    /// A rate, or a time, of the file in the direction in which time runs.
+    fn directed(&mut self, id: Id, place: Range<usize>) -> BuildResult {
+        if !self.file.is_reversed {
+            return Ok(id);
+        }
+        let negative = self.graph.negative(id);
+        negative.map_err(|error| no_number(error, place))
     }
 
     /// Converts a rate, or a time, of the file to scaled time.
@@ -401,6 +411,7 @@ impl<'a> Builder<'a> {
             }
             (Meaning::Time, _) => {
                 let time = self.graph.time();
+                let time = self.directed(time, place.clone())?;
                 self.in_time(time, place)
             }
             (Meaning::State(number), _) => Ok(self.graph.state(number)),

@@ -134,6 +134,8 @@ pub struct SystemFile {
     pub sections: Vec<SectionEntry>,
     /// The meaning of every name.
     pub names: Names,
+    /// Whether time runs backwards: rates have the other sign, and `t` in formulas is its negative.
+    pub is_reversed: bool,
 }
 
 /// The settings in `[time]` and `[start]` that concern time.

@@ -83,6 +83,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
         contacts,
         field,
         names,
+        is_reversed: false,
     })
 }
 

@@ -202,6 +202,19 @@ impl System {
         Ok(System::new(file, values, interrupt)?)
     }
 
+    /// The system with time that runs backwards: an orbit of it from `-t` is the past of the state
+    /// at `t`. Times of the section are negative, too.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] for a formula that is not a finite number.
+    pub fn reversed(&self) -> Result<System, FileError> {
+        let file = SystemFile {
+            is_reversed: !self.file.is_reversed,
+            ..SystemFile::clone(&self.file)
+        };
+        System::new(Arc::new(file), self.values.clone(), self.interrupt.clone())
+    }
+
     /// The system with other sections.
     ///
     /// # Errors

@@ -126,7 +126,8 @@ impl System {
             .map(|formula| (key("set"), formula));
         let conditions = jump.condition.iter().flat_map(|formula| {
             let numbers = operands(&formula.tree).into_iter();
-            numbers.map(|number| (key("if"), formula, number))
+            let of_condition = key("if");
+            numbers.map(move |number| (of_condition.clone(), formula, number))
         });
         let when = evaluation.first(std::iter::once((key("when"), &jump.when)));
         when.or_else(|| evaluation.first_part(conditions))

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
     DynamicsRef, Moment, OrbitProgress, OrbitUnderWay, Section as Watched, Summary, Transition,
-    Vector,
+    Vector, Watching,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
@@ -62,30 +62,82 @@ pub fn follow_on(
     orbit: &mut dyn OrbitUnderWay,
     watcher: &mut Watcher<'_>,
 ) -> Result<Summary, Error> {
-    let ended = loop {
-        let decision = match orbit.step() {
-            Ok(OrbitProgress::End(summary)) => return Ok(summary),
-            Ok(OrbitProgress::Transition(at)) => changes(at)
-                .into_iter()
-                .try_for_each(|at| watcher(OrbitProgress::Transition(at), orbit)),
-            Ok(progress) => watcher(progress, orbit),
-            Err(error) => break Err(error),
-        };
-        if decision.is_break() {
+    loop {
+        let progress = orbit.step();
+        if let Some(ended) = watched(progress, orbit, watcher) {
+            return ended;
+        }
+    }
+}
+
+/// Receives what happens along several orbits, each by the index of its start, as a [`Watcher`] of
+/// each would. Items of one orbit come in order, between those of others.
+pub type WatcherOfMany<'w> =
+    dyn FnMut(usize, OrbitProgress, &mut dyn OrbitUnderWay) -> ControlFlow<()> + 'w;
+
+/// Follows the orbit from each start as [`follow`] does, with the same bits, and reports all to
+/// `watcher`. Returns how each ended, in the order of the starts.
+pub fn follow_all(
+    system: &DynamicsRef<'_>,
+    starts: &[Moment],
+    t_end: f64,
+    options: &Options,
+    watching: Watching<'_>,
+    watcher: &mut WatcherOfMany<'_>,
+) -> Vec<Result<Summary, Error>> {
+    let mut ended: Vec<_> = starts.iter().map(|_| None).collect();
+    let listener = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
+        let own = &mut |progress, orbit: &mut dyn OrbitUnderWay| watcher(number, progress, orbit);
+        ended[number] = watched(progress, orbit, own);
+        match ended[number] {
+            None => ControlFlow::Continue(()),
+            Some(_) => ControlFlow::Break(()),
+        }
+    };
+    let begun = system.follow_all(starts, t_end, options, watching, listener);
+    let outcomes = ended.into_iter().zip(begun).zip(starts);
+    let outcome = |((ended, begun), start): ((Option<_>, Result<(), Error>), &Moment)| {
+        let unfinished = Err(Error::Interrupted {
+            t: start.t,
+            x: (&start.x).into(),
+        });
+        begun.and_then(|()| ended.unwrap_or(unfinished))
+    };
+    outcomes.map(outcome).collect()
+}
+
+/// Reports to the watcher what a step of an orbit returned. Returns how the orbit ended, if it did.
+fn watched(
+    progress: Result<OrbitProgress, Error>,
+    orbit: &mut dyn OrbitUnderWay,
+    watcher: &mut Watcher<'_>,
+) -> Option<Result<Summary, Error>> {
+    let decision = match progress {
+        Ok(OrbitProgress::End(summary)) => return Some(Ok(summary)),
+        Ok(OrbitProgress::Transition(at)) => Ok(changes(at)
+            .into_iter()
+            .try_for_each(|at| watcher(OrbitProgress::Transition(at), orbit))),
+        Ok(progress) => Ok(watcher(progress, orbit)),
+        Err(error) => Err(error),
+    };
+    let ended = match decision {
+        Ok(ControlFlow::Continue(())) => return None,
+        Ok(ControlFlow::Break(())) => {
             let Moment { t, x } = orbit.now();
-            break Ok(Summary {
+            Ok(Summary {
                 ending: Ending::Stopped,
                 t,
                 x,
                 counters: orbit.counters(),
-            });
+            })
         }
+        Err(error) => Err(error),
     };
     // The current phase also ends where a run stops or fails, whatever the watcher returns.
     if let Some(phase) = orbit.phase() {
         let _ = watcher(OrbitProgress::PhaseEnd(phase), orbit);
     }
-    ended
+    Some(ended)
 }
 
 /// A transition, and the change of each other contact whose mode changes at the same instant.

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SpecialPoint, Stop,
-    continue_equilibrium,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurveStop, CycleBifurcation, PeriodicOrbit,
+    SpecialPoint, Stop, continue_change, continue_equilibrium, switch_branches,
 };
 use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -107,6 +107,83 @@ impl<'a> Along<'a> {
         let way = |upwards| continue_equilibrium(&self.dynamics, &*x, upwards, settings, options);
         let (down, up) = rayon::join(|| way(false), || way(true));
         Ok(EquilibriaOfBranch::joined([down?, up?]))
+    }
+
+    /// The curve of a special orbit of a branch in two parameters, in the time of the branch. The
+    /// system `both` has the second parameter, of some range, as the state before the own one, and
+    /// `x` is the start of [`Along::start`] with its value. `None` if no curve continues from it.
+    ///
+    /// # Errors
+    /// Those of [`continue_change`].
+    pub fn curve(
+        &self,
+        (both, range): (&DynamicsRef<'_>, (f64, f64)),
+        (period, x): (f64, &Vector),
+        (branch, number): (&WholeBranch, usize),
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Option<Curve>, Error> {
+        let special: Vec<&SpecialPoint> = branch.special.iter().collect();
+        let (upwards, counted) = branch.counted(&special, number);
+        let way = (period, upwards, counted);
+        match continue_change(both, x, way, (settings, range), options) {
+            Ok(curve) => Ok(Some(curve)),
+            Err(Error::NotFound { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// A curve in the time of the file. `other` is the name of its first parameter.
+    ///
+    /// # Errors
+    /// Those of the parameters.
+    pub fn curve_in_file(&self, other: &str, mut curve: Curve) -> Result<Curve, SettingError> {
+        for point in &mut curve.points {
+            let [second, own] = point.parameters;
+            let pace = self.pace(&[(other, second), (self.name, own)])?;
+            point.period *= pace;
+            point.t *= pace;
+        }
+        Ok(curve)
+    }
+
+    /// The branches that begin at a flip or branch point of a branch, in the time of the branch;
+    /// `x` is the start of [`Along::start`].
+    ///
+    /// # Errors
+    /// Those of [`switch_branches`].
+    pub fn switched(
+        &self,
+        (period, x): (f64, &Vector),
+        (branch, number): (&WholeBranch, usize),
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<Vec<Branch>, Error> {
+        let junctions: Vec<&SpecialPoint> = branch.junctions().map(|(_, at)| at).collect();
+        let (upwards, counted) = branch.counted(&junctions, number);
+        let way = (period, upwards, counted);
+        match switch_branches(&self.dynamics, x, way, settings, options) {
+            Err(Error::NotFound { .. }) => Ok(Vec::new()),
+            switched => Ok(switched?.branches),
+        }
+    }
+
+    /// A branch that was switched to, with the extremes of each orbit. Downwards it ends with its
+    /// first orbit.
+    ///
+    /// # Errors
+    /// Those of [`Along::joined`].
+    pub fn side_branch<E: From<Error> + From<SettingError> + Send>(
+        &self,
+        way: Branch,
+        options: &Options,
+    ) -> Result<WholeBranch, E> {
+        let begin = Branch {
+            points: way.points.iter().take(1).cloned().collect(),
+            special: Vec::new(),
+            stop: Stop::Points,
+        };
+        self.joined([begin, way], options)
     }
 
     /// A state of the orbit at a multiple of its period, where the time of the branch begins.
@@ -295,6 +372,27 @@ impl SpecialRow {
 }
 
 impl WholeBranch {
+    /// The special orbits at which other branches begin: flips and branch points, each with its
+    /// index among all special orbits.
+    pub fn junctions(&self) -> impl Iterator<Item = (usize, &SpecialPoint)> {
+        let special = self.special.iter().enumerate();
+        special.filter(|(_, at)| {
+            matches!(
+                at.what,
+                CycleBifurcation::Flip | CycleBifurcation::BranchPoint
+            )
+        })
+    }
+
+    /// A special orbit among some of those of the branch: whether it lies upwards of the first
+    /// orbit of the branch, and its number, counted in that direction.
+    fn counted(&self, among: &[&SpecialPoint], k: usize) -> (bool, usize) {
+        let is_above = |at: &SpecialPoint| at.behind > self.first;
+        let below = among.iter().filter(|at| !is_above(at)).count();
+        let upwards = is_above(among[k]);
+        (upwards, if upwards { k - below } else { below - 1 - k })
+    }
+
     /// Why the branch ends, downwards and upwards.
     pub fn ends(&self) -> [BranchEnd; 2] {
         self.stops.each_ref().map(BranchEnd::from)
@@ -309,6 +407,16 @@ impl WholeBranch {
         });
         let special = self.special.iter().map(|at| SpecialRow::of(at, system));
         first.into_iter().chain(special).chain(last).collect()
+    }
+}
+
+/// Why a curve in two parameters ends, in a word.
+pub fn word_of_curve_stop(stop: CurveStop) -> &'static str {
+    match stop {
+        CurveStop::Range => "range",
+        CurveStop::Points => "points",
+        CurveStop::AnotherChange => "another change",
+        CurveStop::NoConvergence => "no convergence",
     }
 }
 

@@ -3,22 +3,25 @@
 mod branch;
 mod derivatives;
 mod diagram;
+pub mod ensemble;
 mod equilibria;
 mod extremes;
 pub mod fit;
 mod friction;
 pub mod largest;
 mod orbit_derivatives;
+pub mod past;
 mod phases;
 mod reached;
 mod search;
+pub mod shares;
 mod step_monitor;
 pub mod tangents;
 mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
-pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch};
+pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch, word_of_curve_stop};
 pub use derivatives::{DerivativeError, NoVariable, START_TIME, Variables};
 pub use diagram::{AtValue, Diagram, Locates};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};

@@ -235,7 +235,7 @@ fn phases(system: &System, orbit: &PeriodicOrbit, options: &Options) -> Result<V
     };
     let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
     follow(system.dynamics(), start, t_end, options, &[], &mut watcher)?;
-    Ok(phases_of_period(&phases).0)
+    Ok(phases_of_period(&**system.dynamics(), &phases).0)
 }
 
 /// A parameter, its derivatives and the step of its differences.

@@ -12,7 +12,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Diagram, Locates, largest, recurrence, reported};
+use stickslip_model::study::{Diagram, Locates, largest, recurrence, reported, shares};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};
@@ -262,6 +262,16 @@ pub(crate) fn parameter_map<'py>(
     motions(&fields, &reached)?;
     exponents(&fields, duration, largest.into_iter().map(Option::flatten))?;
     fields.ended(raised)
+}
+
+/// Standard error of the share of an attractor among the starts of a grid with so many columns, or
+/// among random ones.
+#[pyfunction]
+pub(crate) fn share_error(reached: Vec<u32>, columns: Option<usize>, number: u32) -> f64 {
+    match columns {
+        Some(columns) => shares::error_of_grid(&reached, columns, number),
+        None => shares::error_of_random(&reached, number),
+    }
 }
 
 /// Index of the attractor of each start; -1 for starts that an interruption left out.

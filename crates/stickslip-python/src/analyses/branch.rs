@@ -4,11 +4,14 @@ use std::ops::ControlFlow;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{Branch, ContinuationSettings, PartialBranch, PeriodicOrbit};
+use rayon::prelude::*;
+use stickslip::analysis::{
+    Branch, ContinuationSettings, Curve, CycleBifurcation, PartialBranch, PeriodicOrbit,
+};
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Along, WholeBranch};
+use stickslip_model::study::{Along, WholeBranch, word_of_curve_stop};
 
 use super::Start;
 use super::orbits::{Search, approached};
@@ -72,28 +75,148 @@ pub(crate) fn continuation<'py>(
     search: Search,
     range: (String, f64, f64),
     how: (f64, usize),
+    also: Option<(String, f64, f64)>,
+    branches: bool,
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (parameter, low, high) = range;
     let (compiled, options) = (&system.compiled, settings.options()?);
-    let outcome = computed(py, 2, (&report, ProgressKind::Count), |task| {
+    // A branch has two directions, and what begins on it may take all threads.
+    let threads = if also.is_some() || branches { 0 } else { 2 };
+    let outcome = computed(py, threads, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;
         let settings = continuation_settings((low, high), how)?;
         let orbit = approached(&system, (t, &x), search, &options)?;
-        let (settings, x) = along.start(&orbit, &settings, &options, None)?;
+        let (forced, x) = along.start(&orbit, &settings, &options, None)?;
         let begin = (&orbit, &x);
         let directed =
-            |is_upwards| directed_branch(&along, begin, is_upwards, (&settings, &options), task);
+            |is_upwards| directed_branch(&along, begin, is_upwards, (&forced, &options), task);
         let (down, up) = rayon::join(|| directed(false), || directed(true));
         // An interruption leaves the orbits that were found.
         let whole = Along::new(compiled, &parameter, (low, high))?;
-        whole.joined::<Failure>([down?, up?], &options)
+        let branch = whole.joined::<Failure>([down?, up?], &options)?;
+        let mut begun = Begun {
+            branch,
+            others: Vec::new(),
+            curves: Vec::new(),
+        };
+        if branches && !task.is_stopped() {
+            begun.others = others(&along, &begun.branch, (&forced, &options), begin)?;
+        }
+        if let Some((name, low, high)) = &also
+            && !task.is_stopped()
+        {
+            let second = Second {
+                name,
+                range: (*low, *high),
+                system: &system,
+            };
+            begun.curves = curves(
+                &along,
+                &begun.branch,
+                (&settings, &options),
+                &orbit,
+                &second,
+            )?;
+        }
+        Ok::<_, Failure>(begun)
     })?;
-    let (branch, raised) = outcome.kept(|error| error.raised(compiled))?;
-    described(py, compiled, &branch)?.ended(raised)
+    let (begun, raised) = outcome.kept(|error| error.raised(compiled))?;
+    let fields = described(py, compiled, &begun.branch)?;
+    let others = begun.others.iter().map(|(from, branch)| {
+        let other = described(py, compiled, branch)?;
+        other.put("begins", *from)?;
+        other.ended(None)
+    });
+    fields.put("branches", others.collect::<PyResult<Vec<_>>>()?)?;
+    let curves = begun.curves.iter();
+    let curves = curves.map(|(from, curve)| described_curve(py, compiled, *from, curve.as_ref()));
+    fields.put("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
+    fields.ended(raised)
+}
+
+/// A branch, and what begins at its special orbits, each with the index of that orbit.
+struct Begun {
+    branch: WholeBranch,
+    others: Vec<(usize, WholeBranch)>,
+    curves: Vec<(usize, Option<Curve>)>,
+}
+
+/// A second parameter.
+struct Second<'a> {
+    name: &'a str,
+    range: (f64, f64),
+    system: &'a CompiledSystem,
+}
+
+/// The branches that begin at flips and branch points.
+fn others(
+    along: &Along<'_>,
+    branch: &WholeBranch,
+    (settings, options): (&ContinuationSettings, &Options),
+    (orbit, x): (&PeriodicOrbit, &Vector),
+) -> Result<Vec<(usize, WholeBranch)>, Failure> {
+    let junctions: Vec<usize> = branch.junctions().map(|(from, _)| from).collect();
+    let switched = junctions.par_iter().enumerate().map(|(k, &from)| {
+        let ways = along.switched((orbit.period, x), (branch, k), settings, options)?;
+        let joined = ways
+            .into_iter()
+            .map(|way| Ok((from, along.side_branch::<Failure>(way, options)?)));
+        joined.collect::<Result<Vec<_>, Failure>>()
+    });
+    let switched = switched.collect::<Result<Vec<_>, Failure>>()?;
+    Ok(switched.into_iter().flatten().collect())
+}
+
+/// The curves of the special orbits in two parameters, except branch points.
+fn curves(
+    along: &Along<'_>,
+    branch: &WholeBranch,
+    (settings, options): (&ContinuationSettings, &Options),
+    orbit: &PeriodicOrbit,
+    second: &Second<'_>,
+) -> Result<Vec<(usize, Option<Curve>)>, Failure> {
+    let number = second.system.file.parameter(second.name)?;
+    let value = second.system.values[number];
+    let both = second.system.along_both(number, along.number)?;
+    let (settings, x) = along.start(orbit, settings, options, Some(value))?;
+    let special = branch.special.iter().enumerate();
+    let special = special.filter(|(_, at)| at.what != CycleBifurcation::BranchPoint);
+    let special: Vec<usize> = special.map(|(k, _)| k).collect();
+    let curve = |k: usize| {
+        let both = (&both, second.range);
+        let curve = along.curve(both, (orbit.period, &x), (branch, k), &settings, options)?;
+        let in_file = |curve| along.curve_in_file(second.name, curve);
+        Ok((k, curve.map(in_file).transpose()?))
+    };
+    special.into_par_iter().map(curve).collect()
+}
+
+/// A curve for Python.
+fn described_curve<'py>(
+    py: Python<'py>,
+    system: &CompiledSystem,
+    begins: usize,
+    curve: Option<&Curve>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let states = system.states();
+    let points = curve.map_or(&[][..], |curve| &curve.points);
+    let fields = Fields::new(py);
+    fields.put("begins", begins)?;
+    fields.numbers("other", points.iter().map(|at| at.parameters[0]))?;
+    fields.numbers("parameter", points.iter().map(|at| at.parameters[1]))?;
+    fields.numbers("period", points.iter().map(|at| at.period))?;
+    fields.numbers("t", points.iter().map(|at| at.t))?;
+    let own = points
+        .iter()
+        .flat_map(|at| at.x.iter().take(states).copied());
+    fields.array("y", own.collect(), [states])?;
+    let stops = curve.map(|curve| curve.stops.map(word_of_curve_stop));
+    fields.put("stops", stops.map(|[first, last]| (first, last)))?;
+    fields.ended(None)
 }
 
 /// A branch for Python.
@@ -119,6 +242,8 @@ fn described<'py>(
     let [first, last] = branch.ends();
     fields.put("stops", (first.word, last.word))?;
     let special = branch.special_rows(system);
+    // The first row may be an end of the branch.
+    fields.put("first_special", usize::from(first.bifurcation.is_some()))?;
     let table = Fields::new(py);
     table.texts("name", special.iter().map(|at| &at.name))?;
     table.numbers("parameter", special.iter().map(|at| at.parameter))?;

@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-use numpy::PyReadonlyArray2;
+use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{Exponent, SpectrumOptions};
 use stickslip_series::{
-    DataError, DataSettings, DataSpectrum, Embedding, EmbeddingSettings, Reversal, Series,
-    data_spectrum_with, needed_embedding, reversal, status_word,
+    Balance, DataError, DataSettings, DataSpectrum, Degree, Embedding, EmbeddingSettings,
+    Estimator, Given, Neighbourhood, Reversal, SURROGATE_SEED, Series, SurrogateTest,
+    check_surrogates, data_spectrum_with, needed_embedding, reversal, status_word, surrogate_test,
 };
 
 use super::Start;
@@ -66,47 +67,124 @@ pub(crate) fn lyapunov_spectrum<'py>(
 struct OfSeries {
     spectrum: DataSpectrum,
     embedded: Option<(Embedding, Reversal)>,
+    surrogates: Option<SurrogateTest>,
 }
 
-/// What the program computes without further options, in three parts that report progress. One
-/// delayed value leaves the columns as they are.
-fn of_series(
-    series: &Series,
-    embedding: &EmbeddingSettings,
-    task: &Task,
-) -> Result<OfSeries, DataError> {
-    let part = |number: usize| {
-        move |done: usize, total: usize| {
-            task.set_done(PART * number + PART * done / total.max(1));
-            match task.is_stopped() {
-                true => ControlFlow::Break(()),
-                false => ControlFlow::Continue(()),
+/// Options of a spectrum of a series.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(super) struct SeriesOptions {
+    delay: Option<usize>,
+    dimension: Option<usize>,
+    estimator: String,
+    degree: Option<String>,
+    eps: Option<f64>,
+    neighbours: Option<(usize, Option<usize>)>,
+    step: Option<usize>,
+    theiler: Option<usize>,
+    affine: bool,
+    rank_tolerance: Option<f64>,
+    ridge: f64,
+    rank: Option<usize>,
+    stride: Option<usize>,
+    references: Option<usize>,
+    surrogates: Option<usize>,
+}
+
+impl SeriesOptions {
+    fn settings(&self) -> DataSettings {
+        let degree = self.degree.as_deref().map(|degree| match degree {
+            "linear" => Degree::Linear,
+            _ => Degree::Quadratic,
+        });
+        let plain = DataSettings::default();
+        let neighbours = match (self.neighbours, plain.neighbours) {
+            (Some((count, None)), _) => Neighbourhood::Nearest(count),
+            (given, Neighbourhood::Ball { eps, min, max }) => {
+                let (min, max) = match given {
+                    Some((fewest, Some(most))) => (fewest, most),
+                    _ => (min, max),
+                };
+                let eps = self.eps.unwrap_or(eps);
+                Neighbourhood::Ball { eps, min, max }
             }
+            (_, nearest) => nearest,
+        };
+        DataSettings {
+            estimator: match self.estimator.as_str() {
+                "sano-sawada" => Estimator::SanoSawada,
+                _ => Estimator::Extrapolated { degree },
+            },
+            neighbours,
+            theiler: self.theiler,
+            step: self.step.unwrap_or(plain.step),
+            affine: self.affine,
+            rank_tolerance: self.rank_tolerance.unwrap_or(plain.rank_tolerance),
+            ridge: self.ridge,
+            fixed_rank: self.rank,
+            stride: self.stride.unwrap_or(plain.stride),
+            references: self.references,
+            ..plain
         }
-    };
-    let embedding = match embedding.dimension {
-        Some(1) => None,
-        _ => needed_embedding(series, embedding, &part(0))?.map(|choice| choice.embedding),
-    };
-    let settings = DataSettings::default();
-    let (vectors, settings) = match embedding {
-        Some(embedding) => {
-            let vectors = embedding.of(series)?;
-            let settings = settings.delayed(embedding.delay, &vectors);
-            (Cow::Owned(vectors), settings)
-        }
-        None => (Cow::Borrowed(series), settings),
-    };
-    let spectrum = data_spectrum_with(&vectors, &settings, &part(1))
-        .map_err(|error| error.in_rows(series.len() - vectors.len()))?;
-    let embedded = match embedding {
-        Some(embedding) => Some((embedding, reversal(&vectors, &spectrum, &part(2))?)),
-        None => None,
-    };
-    Ok(OfSeries { spectrum, embedded })
+    }
+
+    /// What the program computes, in parts that report progress. One delayed value leaves the
+    /// columns as they are.
+    fn spectrum(&self, series: &Series, task: &Task) -> Result<OfSeries, DataError> {
+        let part = |number: usize| {
+            move |done: usize, total: usize| {
+                task.set_done(PART * number + PART * done / total.max(1));
+                match task.is_stopped() {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                }
+            }
+        };
+        self.surrogates.map_or(Ok(()), check_surrogates)?;
+        let embedding = match self.dimension {
+            Some(1) => None,
+            dimension => {
+                let embedding = EmbeddingSettings {
+                    delay: self.delay,
+                    dimension,
+                    theiler: self.theiler,
+                };
+                needed_embedding(series, &embedding, &part(0))?.map(|choice| choice.embedding)
+            }
+        };
+        let settings = self.settings();
+        let (vectors, settings) = match embedding {
+            Some(embedding) => {
+                let vectors = embedding.of(series)?;
+                let given = Given {
+                    neighbours: self.neighbours.is_some(),
+                    step: self.step.is_some(),
+                    stride: self.stride.is_some(),
+                };
+                let settings = settings.delayed_but(embedding.delay, &vectors, given);
+                (Cow::Owned(vectors), settings)
+            }
+            None => (Cow::Borrowed(series), settings),
+        };
+        let spectrum = data_spectrum_with(&vectors, &settings, &part(1))
+            .map_err(|error| error.in_rows(series.len() - vectors.len()))?;
+        let embedded = match embedding {
+            Some(embedding) => Some((embedding, reversal(&vectors, &spectrum, &part(2))?)),
+            None => None,
+        };
+        let surrogates = self.surrogates.map(|count| {
+            let seed = SURROGATE_SEED;
+            surrogate_test(series, embedding, &settings, count, seed, &part(3))
+        });
+        Ok(OfSeries {
+            spectrum,
+            embedded,
+            surrogates: surrogates.transpose()?,
+        })
+    }
 }
 
-/// Progress of a part of [`of_series`] when it is done.
+/// Progress of a part of [`SeriesOptions::spectrum`] when it is done.
 const PART: usize = 1000;
 
 /// The spectrum of a measured series, with one row for each point.
@@ -115,30 +193,57 @@ pub(crate) fn lyapunov_from_data<'py>(
     py: Python<'py>,
     series: PyReadonlyArray2<'py, f64>,
     dt: f64,
-    embedding: (Option<usize>, Option<usize>),
+    divergence: Option<f64>,
+    options: SeriesOptions,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (delay, dimension) = embedding;
     let series = series.as_array();
     let values = series.iter().copied().collect();
     let series = Series::new(values, series.ncols(), dt).map_err(refused)?;
-    let embedding = EmbeddingSettings {
-        delay,
-        dimension,
-        theiler: None,
-    };
     let found = computed(py, 0, (&report, ProgressKind::Count), |task| {
-        of_series(&series, &embedding, task)
+        options.spectrum(&series, task)
     })?;
-    let OfSeries { spectrum, embedded } = found.whole(refused)?;
+    let OfSeries {
+        spectrum,
+        embedded,
+        surrogates,
+    } = found.whole(refused)?;
     let exponents = &spectrum.exponents;
     let fields = Fields::new(py);
     fields.numbers("exponents", exponents.iter().map(|one| one.value))?;
     fields.numbers("std_errors", exponents.iter().map(|one| one.stderr))?;
+    fields.numbers(
+        "eps_sensitivity",
+        exponents.iter().map(|one| one.eps_sensitivity),
+    )?;
+    let by_rank = exponents
+        .iter()
+        .map(|one| one.fixed_rank.map(|value| value.0));
+    fields.optional_numbers("by_rank", by_rank)?;
     let reversal = embedded.as_ref().map(|(_, reversal)| reversal);
     let status = (0..exponents.len()).map(|number| status_word(&spectrum, reversal, number));
     fields.texts("status", status)?;
     fields.put("dimension", spectrum.dimension)?;
+    fields.put("residual_ratio", spectrum.residual_ratio)?;
+    // Some exponents of delayed values may be spurious, so their sum is not compared.
+    let balance = divergence.filter(|_| embedded.is_none());
+    let balance = balance.map(|divergence| match spectrum.balance(divergence) {
+        Balance::Whole { excess, stderr, .. } => (0, excess, stderr),
+        Balance::Rest {
+            exponents,
+            sum,
+            stderr,
+        } => (exponents, sum, stderr),
+        Balance::Unknown => (0, f64::NAN, f64::NAN),
+    });
+    fields.put("balance", balance)?;
+    let test = surrogates.as_ref();
+    fields.put("surrogate_p", test.map(|test| test.p))?;
+    let residuals = test.map(|test| {
+        let all = test.surrogates.iter().map(|one| one.residual);
+        PyArray1::from_iter(py, all)
+    });
+    fields.put("surrogate_residuals", residuals)?;
     let embedding = embedded.map(|(embedding, _)| (embedding.delay, embedding.dimension));
     fields.put("embedding", embedding)?;
     fields.ended(None)

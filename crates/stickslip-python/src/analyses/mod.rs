@@ -7,6 +7,7 @@ mod equilibria;
 mod exponents;
 mod fits;
 mod orbits;
+mod tangents;
 
 use pyo3::prelude::*;
 
@@ -22,10 +23,12 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
         equilibria::equilibrium_continuation,
         module
     )?)?;
+    module.add_function(wrap_pyfunction!(tangents::tangents, module)?)?;
     module.add_function(wrap_pyfunction!(fits::fit, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_spectrum, module)?)?;
     module.add_function(wrap_pyfunction!(exponents::lyapunov_from_data, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::bifurcation_diagram, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::parameter_map, module)?)?;
+    module.add_function(wrap_pyfunction!(attractors::share_error, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::basins, module)?)
 }

@@ -75,7 +75,12 @@ pub(crate) fn periodic_orbit<'py>(
             true => None,
             false => Some(by.of_orbit(&system, (&orbit, origin), &options)),
         };
-        Ok((orbit, phases_of_period(&**dynamics, &phases), ranges, slopes))
+        Ok((
+            orbit,
+            phases_of_period(&**dynamics, &phases),
+            ranges,
+            slopes,
+        ))
     })?;
     let (orbit, (phases, stick), ranges, slopes) =
         orbit.whole(|error: Failure| error.raised(compiled))?;

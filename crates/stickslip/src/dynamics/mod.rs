@@ -173,6 +173,15 @@ pub enum Section {
     Own(usize),
 }
 
+/// What a listener of many orbits needs of their steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Watching<'a> {
+    /// Sections whose passages are reported, each by its index.
+    pub sections: &'a [Section],
+    /// Whether the solution over each step is needed, not only its end.
+    pub solutions: bool,
+}
+
 /// A guard of a mode: a function that is positive while the mode holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Guard {
@@ -236,13 +245,13 @@ pub trait Dynamics: Send + Sync {
     ///
     /// With [`Method::Taylor`], orbits of a system from formulas are computed side by side in
     /// vectors. Each is bit-for-bit the same as alone. The solution over a step is available to the
-    /// listener only where sections are watched.
+    /// listener where `watching` asks for solutions or has sections; without it, steps are faster.
     fn follow_all(
         &self,
         starts: &[Moment],
         t_end: f64,
         options: &Options,
-        sections: &[Section],
+        watching: Watching<'_>,
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>>;
 

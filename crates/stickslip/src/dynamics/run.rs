@@ -119,6 +119,7 @@ where
             integration,
             options: *options,
             search: None,
+            keeps_solutions: false,
             reported: 0,
             observer: None,
             unobserved: None,
@@ -166,6 +167,8 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     pending: VecDeque<OrbitProgress>,
     options: Options,
     search: Option<EventSearch<'a, S, TypedFunctions<'a, S, V, J, N, G>, N, G>>,
+    /// Whether the solution over each step is needed.
+    keeps_solutions: bool,
     /// Number of passages of the last step that have been reported.
     reported: usize,
     observer: Option<&'a mut dyn Observer<N, S::Mode>>,
@@ -194,7 +197,12 @@ where
 
     /// Whether the solution over a step is needed, not only its end.
     pub(super) fn watches_steps(&self) -> bool {
-        self.search.is_some() || self.jump_search.is_some()
+        self.keeps_solutions || self.search.is_some() || self.jump_search.is_some()
+    }
+
+    /// Makes the solution over each step available, if it is wanted.
+    pub(super) fn keep_solutions(&mut self, wanted: bool) {
+        self.keeps_solutions = wanted;
     }
 
     /// Takes the step that was prepared, if there is one, or continues until the next one is

@@ -13,7 +13,7 @@ use super::section::NoSection;
 use super::view::View;
 use super::{
     Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow,
-    Step, Transition, Vector,
+    Step, Transition, Vector, Watching,
 };
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Method, Options, Switched, seeded, side_by_side};
@@ -147,7 +147,10 @@ where
         starts: &[Moment],
         t_end: f64,
         options: &Options,
-        sections: &[Section],
+        Watching {
+            sections,
+            solutions,
+        }: Watching<'_>,
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>> {
         let of = self.view();
@@ -161,9 +164,11 @@ where
         let listener = &RefCell::new(listener);
         let begin = |(number, start): (usize, &Moment), stepper| {
             let run = of.start_run(start, t_end, options, (sections, stepper));
+            let mut run = run.map_err(Err)?;
+            run.keep_solutions(solutions);
             Ok(BatchOrbit {
                 number,
-                run: run.map_err(Err)?,
+                run,
                 listener,
             })
         };

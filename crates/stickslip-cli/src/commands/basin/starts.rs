@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use numerics::SplitMix;
 use serde::{Deserialize, Serialize};
+use stickslip_model::study::shares::{error_of_grid, error_of_random};
 
 use crate::commands::range::{StateRange, middle};
 use crate::commands::sweeping::blocks;
@@ -65,34 +66,11 @@ impl Points {
 
     /// Standard error of the share of one attractor, if `reached` has the number of the attractor
     /// of each point.
-    ///
-    /// On a grid only the cells that the boundary of a basin cuts are wrong, and as many cells are
-    /// cut as neighbours differ. Each pair of these has the variance 1/4, by the successive
-    /// differences of systematic sampling (Wolter, *Introduction to Variance Estimation*, 2007,
-    /// Ch. 8). Along `n` cells in a row the boundary may be straight: all are then wrong by the
-    /// same part, which has the variance 1/12. Errors of smooth curves are up to three times less.
     pub(super) fn std_error(&self, reached: &[u32], number: u32) -> f64 {
-        let all = reached.len() as f64;
-        let is_in = |point: usize| i8::from(reached[point] == number);
-        let Points::Grid { columns, rows } = *self else {
-            let share = (0..reached.len()).filter(|&one| is_in(one) > 0).count() as f64 / all;
-            return (share * (1.0 - share) / all).sqrt();
-        };
-        let (columns, rows) = (columns.get(), rows.get());
-        // Of the pairs of a line of points and the line beside it.
-        let of_line = |points: &mut dyn Iterator<Item = usize>, beside: usize| {
-            let changes: Vec<i8> = points.map(|one| is_in(one + beside) - is_in(one)).collect();
-            let runs = changes.chunk_by(|a, b| a == b).filter(|run| run[0] != 0);
-            let lengths = runs.map(|run| run.len() as f64);
-            lengths.map(|n| (n / 4.0).max(n * n / 12.0)).sum::<f64>()
-        };
-        let upwards =
-            (1..rows).map(|row| of_line(&mut ((row - 1) * columns..row * columns), columns));
-        let sideways = (1..columns)
-            .map(|column| of_line(&mut (column - 1..rows * columns).step_by(columns), 1));
-        // A sum of nothing would be -0.
-        let variance = upwards.chain(sideways).fold(0.0, |all, one| all + one);
-        variance.sqrt() / all
+        match *self {
+            Points::Grid { columns, .. } => error_of_grid(reached, columns.get(), number),
+            Points::Random { .. } => error_of_random(reached, number),
+        }
     }
 }
 

@@ -4,12 +4,12 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 use serde_json::json;
+use stickslip::Options;
 use stickslip::analysis::{
     Branch, ContinuationSettings, Curve, CycleBifurcation, PartialBranch, PeriodicOrbit,
-    SpecialPoint, Stop, continue_change, switch_branches,
+    SpecialPoint,
 };
 use stickslip::dynamics::DynamicsRef;
-use stickslip::{Error, Options};
 use stickslip_model::file::System;
 use stickslip_model::study::{Along, WholeBranch};
 
@@ -143,28 +143,17 @@ impl<'a> BranchStart<'a> {
         let (settings, x) = self
             .along
             .start(orbit, settings, options, Some(also.value))?;
-        let special: Vec<&SpecialPoint> = branch.special.iter().collect();
         let by = json!(also.range).to_string();
         let curve = |(k, at): (usize, &SpecialPoint)| {
-            let (upwards, number) = counted(branch, &special, k);
-            let ranges = (&settings, (also.range.low, also.range.high));
-            let way = (orbit.period, upwards, number);
-            let mut curve = saved_or_computed(writer, (CURVES + 2 * k, &by), || {
-                match continue_change(&also.both, &x, way, ranges, options) {
-                    Ok(curve) => Ok(Some(curve)),
-                    Err(Error::NotFound { .. }) => Ok(None),
-                    Err(error) => Err(Failure::from(error)),
-                }
+            let range = (also.range.low, also.range.high);
+            let (both, from) = ((&also.both, range), (orbit.period, &x));
+            let curve = saved_or_computed(writer, (CURVES + 2 * k, &by), || {
+                let along = &self.along;
+                let curve = along.curve(both, from, (branch, k), &settings, options);
+                Ok(curve?)
             })?;
-            for point in curve.iter_mut().flat_map(|curve| &mut curve.points) {
-                let pace = self.along.pace(&[
-                    (&also.range.name, point.parameters[0]),
-                    (&self.range.name, point.parameters[1]),
-                ])?;
-                point.period *= pace;
-                point.t *= pace;
-            }
-            Ok((at.clone(), curve))
+            let in_file = |curve| self.along.curve_in_file(&also.range.name, curve);
+            Ok((at.clone(), curve.map(in_file).transpose()?))
         };
         let followed = branch.special.iter().enumerate();
         let followed: Vec<_> = followed
@@ -182,33 +171,14 @@ impl<'a> BranchStart<'a> {
         writer: &Writer,
     ) -> Result<Vec<SideBranch>, Failure> {
         let (settings, x) = self.along.start(orbit, settings, options, None)?;
-        let special = branch.special.iter().enumerate();
-        let meets = |at: &SpecialPoint| {
-            matches!(
-                at.what,
-                CycleBifurcation::Flip | CycleBifurcation::BranchPoint
-            )
-        };
-        let junctions: Vec<_> = special.filter(|(_, at)| meets(at)).collect();
-        let points: Vec<&SpecialPoint> = junctions.iter().map(|(_, at)| *at).collect();
-        let switched = |(k, &(from, _)): (usize, &(usize, &SpecialPoint))| {
-            let (upwards, number) = counted(branch, &points, k);
-            let way = (orbit.period, upwards, number);
+        let junctions: Vec<usize> = branch.junctions().map(|(from, _)| from).collect();
+        let switched = |(k, &from): (usize, &usize)| {
             let branches = saved_or_computed(writer, (BRANCHES + 2 * from, ""), || {
-                let along = &self.along.dynamics;
-                match switch_branches(along, &x, way, &settings, options) {
-                    Err(Error::NotFound { .. }) => Ok(Vec::new()),
-                    switched => Ok(switched?.branches),
-                }
+                let (along, begin) = (&self.along, (orbit.period, &x));
+                Ok(along.switched(begin, (branch, k), &settings, options)?)
             })?;
-            // Downwards, the branch ends with its first orbit.
-            let begin = |way: &Branch| Branch {
-                points: way.points.iter().take(1).cloned().collect(),
-                special: Vec::new(),
-                stop: Stop::Points,
-            };
             let joined = branches.into_iter().map(|way| {
-                let branch = self.along.joined::<Failure>([begin(&way), way], options)?;
+                let branch = self.along.side_branch::<Failure>(way, options)?;
                 Ok(SideBranch { from, branch })
             });
             joined.collect::<Result<Vec<_>, Failure>>()
@@ -217,13 +187,4 @@ impl<'a> BranchStart<'a> {
         let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
         Ok(others?.into_iter().flatten().collect())
     }
-}
-
-/// A special orbit among some of those of a branch: whether it lies upwards of the first orbit of
-/// the branch, and its number, counted in that direction.
-fn counted(branch: &WholeBranch, among: &[&SpecialPoint], k: usize) -> (bool, usize) {
-    let is_above = |at: &SpecialPoint| at.behind > branch.first;
-    let below = among.iter().filter(|at| !is_above(at)).count();
-    let upwards = is_above(among[k]);
-    (upwards, if upwards { k - below } else { below - 1 - k })
 }

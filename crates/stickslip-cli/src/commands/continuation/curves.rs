@@ -5,6 +5,7 @@ use serde_json::json;
 use stickslip::analysis::{Curve, CurvePoint, CurveStop, SpecialPoint};
 use stickslip::error::readable;
 use stickslip_model::file::System;
+use stickslip_model::study::word_of_curve_stop;
 
 use super::super::figures;
 use super::super::range::ParameterRange;
@@ -30,7 +31,7 @@ pub(super) fn report(
             (Some(curve), Some(first), Some(last)) => {
                 let end = |point: &CurvePoint, stop: CurveStop| {
                     let [q, p] = point.parameters.map(readable);
-                    format!("{other} = {q}, {name} = {p} {}", described(stop)[1])
+                    format!("{other} = {q}, {name} = {p} {}", described(stop))
                 };
                 format!(
                     "in {name} and {other}, {what}: {} orbits from {} to {}",
@@ -46,7 +47,7 @@ pub(super) fn report(
         object["stops"] = json!(
             curve
                 .as_ref()
-                .map(|curve| curve.stops.map(|stop| described(stop)[0]))
+                .map(|curve| curve.stops.map(word_of_curve_stop))
         );
         objects.push(object);
     }
@@ -74,16 +75,13 @@ pub(super) fn report(
     Ok(())
 }
 
-/// Why a curve ends: a word for programs, and words.
-fn described(stop: CurveStop) -> [&'static str; 2] {
+/// Why a curve ends, in words.
+fn described(stop: CurveStop) -> &'static str {
     match stop {
-        CurveStop::Range => ["range", "(an end of a range)"],
-        CurveStop::Points => ["points", "(the largest number of orbits)"],
-        CurveStop::AnotherChange => [
-            "another change",
-            "(another change occurs at the same orbit)",
-        ],
-        CurveStop::NoConvergence => ["no convergence", "(no further orbit was found)"],
+        CurveStop::Range => "(an end of a range)",
+        CurveStop::Points => "(the largest number of orbits)",
+        CurveStop::AnotherChange => "(another change occurs at the same orbit)",
+        CurveStop::NoConvergence => "(no further orbit was found)",
     }
 }
 

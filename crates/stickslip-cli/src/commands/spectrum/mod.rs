@@ -12,8 +12,9 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use stickslip::error::readable;
 use stickslip_series::{
-    DataError, DataSettings, Degree, EmbeddingSettings, Estimator, Neighbourhood, Progress, Series,
-    check_surrogates, data_spectrum_with, divergence, needed_embedding, reversal, surrogate_test,
+    DataError, DataSettings, Degree, EmbeddingSettings, Estimator, Given, Neighbourhood, Progress,
+    SURROGATE_SEED, Series, check_surrogates, data_spectrum_with, divergence, needed_embedding,
+    reversal, surrogate_test,
 };
 
 use crate::failure::Failure;
@@ -21,9 +22,6 @@ use crate::render::{CommandOutput, OutputArguments, Report};
 use crate::table;
 use findings::{Embedded, Findings};
 use output::terminal::{DelayedProgressBar, note};
-
-/// Seed of the surrogates. It is fixed so that results are reproducible.
-const SEED: u64 = 19_920_901;
 
 const ABOUT: &str = "Lyapunov exponents of a time series: maps fitted to neighbours of each point \
     at two sizes, chained along the series and extrapolated to size zero. A status says which \
@@ -375,14 +373,12 @@ fn find(
     let (vectors, settings) = match embedding {
         Some(embedding) => {
             let vectors = embedding.of(series)?;
-            let mut delayed = settings.clone().delayed(embedding.delay, &vectors);
-            if arguments.neighbours.is_some() {
-                delayed.neighbours = settings.neighbours;
-            }
-            if let Some(step) = arguments.step {
-                (delayed.step, delayed.stride) = (step, 1);
-            }
-            delayed.stride = arguments.stride.unwrap_or(delayed.stride);
+            let given = Given {
+                neighbours: arguments.neighbours.is_some(),
+                step: arguments.step.is_some(),
+                stride: arguments.stride.is_some(),
+            };
+            let delayed = settings.delayed_but(embedding.delay, &vectors, given);
             (Cow::Owned(vectors), delayed)
         }
         None => (Cow::Borrowed(series), settings),
@@ -407,7 +403,7 @@ fn find(
     });
     let surrogates = match arguments.surrogates {
         Some(count) => Some(counted("surrogates", |report| {
-            surrogate_test(series, embedding, &settings, count, SEED, report)
+            surrogate_test(series, embedding, &settings, count, SURROGATE_SEED, report)
         })?),
         None => None,
     };

@@ -17,7 +17,7 @@ pub(super) use tolerance::SOLVER_TOLERANCES;
 use std::ops::ControlFlow;
 
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Vector,
+    AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Vector, Watching,
 };
 use crate::error::{Error, require};
 use crate::filippov::{Options, Strobe};
@@ -220,7 +220,11 @@ pub(super) fn attractors_of(
         }
         ControlFlow::Break(())
     };
-    let begun = system.follow_all(&moments, settings.longest, &options, sections, listener);
+    let watching = Watching {
+        sections,
+        solutions: false,
+    };
+    let begun = system.follow_all(&moments, settings.longest, &options, watching, listener);
     for ((outcome, begun), x) in outcomes.iter_mut().zip(begun).zip(starts) {
         if let Err(error) = begun
             && !is_enough

@@ -1,0 +1,83 @@
+"""Systems from SymPy."""
+
+import numpy as np
+import pytest
+import stickslip as ss
+import sympy
+from sympy.physics import mechanics
+
+
+def test_rates_are_those_of_the_expressions():
+    x, v, k, c, t = sympy.symbols("x v k c t")
+    rate = -k * sympy.sin(x) ** 3 - c * v / 2 + sympy.exp(-(t**2)) * sympy.sqrt(1 + v**2) + sympy.pi
+    made = ss.from_sympy({x: v, v: rate}, {k: 2.0, "c": 0.5})
+    assert [one.name for one in made.states] == ["x", "v"]
+    assert [(one.name, one.value) for one in made.parameters] == [("c", 0.5), ("k", 2.0)]
+    sol = ss.solve_ivp(ss.System(made.rates), (0, 3), [0.3, -0.2], rtol=1e-10)
+    f = sympy.lambdify((t, x, v), [v, rate.subs({k: 2.0, c: 0.5})])
+    from scipy.integrate import solve_ivp
+
+    other = solve_ivp(lambda t, y: f(t, *y), (0, 3), [0.3, -0.2], "DOP853", rtol=1e-11, atol=1e-12)
+    assert np.allclose(sol.y[:, -1], other.y[:, -1], rtol=0, atol=1e-8)
+
+
+def pendulum():
+    q, u = mechanics.dynamicsymbols("q u")
+    m, l, g = sympy.symbols("m l g")
+    frame = mechanics.ReferenceFrame("N")
+    arm = frame.orientnew("A", "Axis", [q, frame.z])
+    arm.set_ang_vel(frame, u * frame.z)
+    pivot = mechanics.Point("O")
+    pivot.set_vel(frame, 0)
+    bob = pivot.locatenew("P", l * arm.x)
+    bob.v2pt_theory(pivot, frame, arm)
+    body = mechanics.Particle("bob", bob, m)
+    return frame, q, u, body, bob, (m, l, g)
+
+
+def test_the_methods_of_kane_and_lagrange_make_a_pendulum():
+    frame, q, u, body, bob, (m, l, g) = pendulum()
+    weight = [(bob, m * g * frame.x)]
+    kane = mechanics.KanesMethod(frame, [q], [u], kd_eqs=[q.diff() - u])
+    kane.kanes_equations([body], weight)
+    made = ss.from_sympy(kane, {m: 1.0, l: 2.0, g: 9.81})
+    t = mechanics.dynamicsymbols._t
+    x, y = l * sympy.cos(q), l * sympy.sin(q)
+    energy = m * (x.diff(t) ** 2 + y.diff(t) ** 2) / 2 + m * g * x
+    lagrange = mechanics.LagrangesMethod(sympy.simplify(energy), [q])
+    lagrange.form_lagranges_equations()
+    other = ss.from_sympy(lagrange, {m: 1.0, l: 2.0, g: 9.81})
+    ends = [ss.solve_ivp(ss.System(one.rates), (0, 5), [1.0, 0]).y[:, -1] for one in (made, other)]
+    a, b = ss.states("a b")
+    plain = ss.solve_ivp(ss.System({a: b, b: -9.81 / 2 * np.sin(a)}), (0, 5), [1.0, 0]).y[:, -1]
+    assert np.allclose(ends, [plain, plain], rtol=0, atol=1e-10)
+
+
+def test_contacts_and_jumps_are_added():
+    x, v, mu = sympy.symbols("x v mu")
+    made = ss.from_sympy({x: v, v: -x}, {mu: 0.3})
+    floor = ss.Contact("floor", boundary=made[v], friction=made[mu * (1 + x**2)])
+    made.rates[made[v]] -= floor.friction
+    wall = ss.Jump("wall", when=made[x - 1], set={made[v]: -made[v]}, direction=1)
+    system = ss.System(made.rates, contacts=[floor], jumps=[wall])
+    assert system.parameters == {"mu": 0.3} and system.jumps == ("wall",)
+    assert set(ss.solve_ivp(system, (0, 5), [0.9, 2.0]).transitions["kind"]) >= {"jump"}
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda x, k: {x: k * x}, "the symbol k is no state and has no value"),
+        (lambda x, k: {x: sympy.sign(x)}, "a sign is the side of a Contact"),
+        (lambda x, k: {x: sympy.Piecewise((1, x > 0), (2, True))}, "contact.by_side"),
+        (lambda x, k: {x: sympy.gamma(x)}, "gamma.* has no formula"),
+    ],
+)
+def test_what_has_no_formula_is_refused(make, said):
+    with pytest.raises(ValueError, match=said):
+        ss.from_sympy(make(*sympy.symbols("x k")))
+
+
+def test_other_things_are_no_equations():
+    with pytest.raises(TypeError, match="equations must be"):
+        ss.from_sympy(3)
