@@ -654,7 +654,8 @@ class Contact(Symbol):
     static : Expression, float or function, optional
         Largest friction force in stick. Default: the force in slip.
     normal_force : Expression, optional
-        Normal force, for a system with one contact. Friction is zero where it is not positive.
+        Normal force. Friction is zero where it is not positive. It does not stand beside friction
+        that follows the reaction of a `Stop`, which has the normal force in it.
     """
 
     __slots__ = ("boundary", "law", "static", "normal_force")

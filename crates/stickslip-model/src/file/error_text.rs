@@ -79,7 +79,7 @@ pub trait Interface {
                     None => error.to_string(),
                 }
             }
-            Error::NonFinite { t, x, .. } => {
+            Error::NonFinite { t, x, .. } | Error::StepCollapse { t, x, .. } => {
                 match system.and_then(|system| {
                     let here = system.undefined_in_field(*t, &x.0);
                     here.or_else(|| system.undefined_ahead(*t, &x.0))

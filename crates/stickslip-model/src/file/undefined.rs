@@ -132,8 +132,8 @@ impl<'a> Evaluation<'a> {
             above: self.above,
             held: 0,
         });
-        let mut builder = Builder::new(file, inputs, &mut graph, scope);
-        let root = builder.expression(formula, expression).ok()?;
+        let builder = Builder::new(file, inputs, &mut graph, scope);
+        let root = builder.choosing().expression(formula, expression).ok()?;
         let tape = Tape::new(&graph, &[root], self.x.len()).ok()?;
         let mut value = [0.0];
         tape.evaluate(self.t, &self.x, &mut value);
