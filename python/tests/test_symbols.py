@@ -385,7 +385,8 @@ def test_a_curve_is_the_interpolation_of_numpy_or_scipy(between):
     mu = ss.Curve("mu", points, values, between=between)
     system = ss.System({x: 1, y: mu(x)}, start=[-1, 0])
     assert ss.System.from_toml(system.to_toml()) == system
-    assert copy.deepcopy(mu) == mu == pickle.loads(pickle.dumps(mu)) and len({mu, copy.copy(mu)}) == 1
+    assert copy.deepcopy(mu) == mu == pickle.loads(pickle.dumps(mu))
+    assert len({mu, copy.copy(mu)}) == 1
     t = np.linspace(-1, 5, 61)
     sol = ss.solve_ivp(system, (-1, 5), [-1, 0], t_eval=t)
     if between == "linear":

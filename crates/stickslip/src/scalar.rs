@@ -148,9 +148,8 @@ pub trait Scalar:
         }
     }
     /// A continuous function in pieces: `value` of the piece that holds at this number, and of the
-    /// number. Piece `k` lies between `cuts[k - 1]` and `cuts[k]`, which rise. The first cut belongs
-    /// to the piece above it, every other one to the piece below. Branches are by
-    /// [`Scalar::exceeds`].
+    /// number. Piece `k` lies between `cuts[k - 1]` and `cuts[k]`, which rise. The first cut is in
+    /// the piece above it, every other one in the piece below. Branches are by [`Scalar::exceeds`].
     #[inline(always)]
     fn in_pieces(self, cuts: &[f64], value: impl Fn(usize, Self) -> Self) -> Self {
         let (mut low, mut high) = (0, cuts.len());

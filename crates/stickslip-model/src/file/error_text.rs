@@ -89,7 +89,14 @@ pub trait Interface {
                          change the formula or a parameter in it",
                         at(t, x)
                     ),
-                    None => error.to_string(),
+                    None => match system.and_then(|one| one.friction_without_force(*t, &x.0)) {
+                        Some(why) => format!(
+                            "the orbit cannot go on {}: {why}; with several contacts, write \
+                             friction in proportion to its normal force",
+                            at(t, x)
+                        ),
+                        None => error.to_string(),
+                    },
                 }
             }
             Error::Undefined { what, number, t, x } => {

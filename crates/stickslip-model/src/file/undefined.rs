@@ -12,7 +12,36 @@ use crate::kernel::{Combination, sides_to_check};
 /// Chosen: a run stops at a billionth of the range of a curve behind its end.
 const AHEAD: f64 = 1e-6;
 
+/// Largest normal force that vanishes beside a friction, as a part of that. Chosen: friction that
+/// is proportional to the normal force is less than a millionth of it nowhere.
+const NO_FORCE: f64 = 1e-6;
+
 impl System {
+    /// The contact, one of several, whose normal force vanishes at a state without its friction: a
+    /// stick that it ends there has no continuation.
+    pub(super) fn friction_without_force(&self, t: f64, x: &[f64]) -> Option<String> {
+        if self.contacts() < 2 || x.len() != self.states() {
+            return None;
+        }
+        let at = Evaluation::new(self, 0, t, x);
+        let value = |formula: &Formula| at.value(formula, &formula.tree);
+        let found = self.file.contacts.iter().find(|contact| {
+            let forces = contact.normal_force.as_ref().zip(contact.friction.as_ref());
+            forces.is_some_and(|(force, law)| {
+                let (force, law) = (value(force), value(law));
+                force
+                    .zip(law)
+                    .is_some_and(|(force, law)| force.abs() <= NO_FORCE * law.abs())
+            })
+        });
+        found.map(|contact| {
+            format!(
+                "the normal force of contact `{}` vanishes there, and its friction does not",
+                contact.name
+            )
+        })
+    }
+
     /// As [`System::undefined_in_field`], a little ahead of a state along the motion.
     pub(super) fn undefined_ahead(&self, t: f64, x: &[f64]) -> Option<String> {
         if x.len() != self.states() {

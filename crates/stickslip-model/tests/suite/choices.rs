@@ -276,7 +276,8 @@ fn composed_functions_have_their_values() {
     let text = "name = \"functions\"\n[states]\nclamp = \"\"\n[parameters]\nx = 0.25\n[discrete]\n\
                 a = \"asin(x)\"\nb = \"acos(-x)\"\nc = \"log10(1000 + x)\"\n\
                 d = \"hypot(3*x, 4*x)\"\ne = \"clamp(x, 0.5, 1)\"\n\
-                f = \"clamp(4*x + 1, 0.5, 1)\"\ng = \"atan2(x, -3)\"\nh = \"erf(x)\"\n[field]\nclamp = \"clamp\"\n\
+                f = \"clamp(4*x + 1, 0.5, 1)\"\ng = \"atan2(x, -3)\"\nh = \"erf(x)\"\n\
+                [field]\nclamp = \"clamp\"\n\
                 [start]\nclamp = 1\n";
     let start = system(text).start().unwrap();
     let close = |found: f64, exact: f64| {

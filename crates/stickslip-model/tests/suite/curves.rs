@@ -57,7 +57,8 @@ fn belt(law: &str, curves: &str) -> String {
         "name = \"belt\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nspeed = 0.5\n\
          [definitions]\nslip = \"belt*(v - speed)\"\n{curves}\n[contacts.belt]\n\
          boundary = \"v - speed\"\nfriction = \"{law}\"\n[field]\nx = \"v\"\n\
-         v = \"-x - friction(belt) + 0.3*sin(0.7*t)\"\n[start]\nx = 1\nv = -0.4\n[time]\nend = 120\n"
+         v = \"-x - friction(belt) + 0.3*sin(0.7*t)\"\n[start]\nx = 1\n\
+         v = -0.4\n[time]\nend = 120\n"
     )
 }
 

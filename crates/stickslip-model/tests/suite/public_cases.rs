@@ -6,7 +6,7 @@ use stickslip::analysis::{AttractorKind, SpectrumOptions, Stop, basin, lyapunov_
 use stickslip::{Ending, Options, math};
 use stickslip_model::study::recurrence;
 
-use crate::run::{METHODS, branch, end, options, orbit, simulated, simulated_by, system};
+use crate::run::{METHODS, branch, end, failed, options, orbit, simulated, simulated_by, system};
 
 /// Options with another tolerance.
 fn at(tolerance: f64, method: &str) -> Options {
@@ -142,7 +142,8 @@ fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
 /// Two beads on rails of their own.
 #[test]
 fn each_of_several_contacts_has_a_normal_force() {
-    let beads = "name = \"beads\"\n[time]\nend = 1.9\n[states]\nph = \"\"\nw = \"\"\nps = \"\"\nu = \"\"\n\
+    let beads = "name = \"beads\"\n[time]\nend = 1.9\n[states]\n\
+        ph = \"\"\nw = \"\"\nps = \"\"\nu = \"\"\n\
         [parameters]\ng = 9.81\nR = 5\nmu = 0.05\n[contacts.rail]\nboundary = \"w\"\n\
         friction = \"mu*(g*cos(ph)/R + w^2)\"\nnormal_force = \"g*cos(ph) + R*w^2\"\n\
         [contacts.other]\nboundary = \"u\"\n\
@@ -169,6 +170,32 @@ fn each_of_several_contacts_has_a_normal_force() {
             ];
             assert!(off.iter().all(|off| off.abs() < 1e-9), "{method}: {off:?}");
         }
+    }
+}
+
+/// Of several contacts, one that sticks by friction that its normal force does not take away.
+#[test]
+fn friction_that_outlasts_its_normal_force_is_told() {
+    let floors = "name = \"floors\"\n[time]\nend = 5\n[states]\n\
+        x = \"\"\nv = \"\"\ny = \"\"\nw = \"\"\n\
+        [contacts.a]\nboundary = \"v\"\nfriction = 1\nnormal_force = \"(t - 1)*(t - 2)\"\n\
+        [contacts.b]\nboundary = \"w\"\nfriction = 1\n\
+        [field]\nx = \"v\"\nv = \"0.5 - friction(a)\"\ny = \"w\"\nw = \"0.5 - friction(b)\"\n\
+        [start]\nx = 0\nv = 0\ny = 0\nw = 0\n";
+    for method in METHODS {
+        let words = failed(floors, &options(method));
+        assert!(words.contains("the normal force of contact `a` vanishes there"), "{words}");
+        assert!(words.contains("t = 1,"), "{words}");
+        // In proportion to it, friction 2 N holds up to N = 1/4.
+        let text = floors.replacen("friction = 1\n", "friction = \"2*(t - 1)*(t - 2)\"\n", 1);
+        let (found, transitions) = simulated(&text, method, 1.5);
+        let leaves = 1.5 - 2.0_f64.sqrt() / 2.0;
+        assert!((transitions[0].0 - leaves).abs() < 1e-9, "{method}: {transitions:?}");
+        // From there a = 1/2 - 2 N up to t = 1, then 1/2.
+        let n = |t: f64| t * t * t / 3.0 - 1.5 * t * t + 2.0 * t;
+        let at_one = 0.5 * (1.0 - leaves) - 2.0 * (n(1.0) - n(leaves));
+        assert!((end(&found, "v") - at_one - 0.25).abs() < 1e-9, "{method}");
+        assert_eq!(end(&found, "w"), 0.0);
     }
 }
 

@@ -631,7 +631,8 @@ fn impulses_are_changes_of_momentum() {
         assert!(impacts > 5, "{impacts}");
     }
     // Two balls, of which the first hits the second, which touches a wall.
-    let text = "name = \"row\"\n[states]\nx = \"\"\ny = \"\"\nu = \"\"\nv = \"\"\n[field]\nx = \"u\"\n\
+    let text = "name = \"row\"\n[states]\n\
+                x = \"\"\ny = \"\"\nu = \"\"\nv = \"\"\n[field]\nx = \"u\"\n\
                 y = \"v\"\nu = 0\nv = 0\n[stops.pair]\ngap = \"y - x\"\nacts = { u = -1, v = 1 }\n\
                 restitution = 0\n[stops.wall]\ngap = \"1 - y\"\nacts = { v = -1 }\n\
                 restitution = 0\n[start]\nx = 0\ny = 1\nu = 1\nv = 0\n[time]\nend = 2\n";
