@@ -77,6 +77,14 @@ impl Node {
             | Node::WhereNotPositive(a, b) => [Some(a), Some(b)],
         }
     }
+
+    /// The operands without conditions.
+    fn values(self) -> [Option<Id>; 2] {
+        match self {
+            Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => [Some(a), None],
+            other => other.operands(),
+        }
+    }
 }
 
 /// Numbers and their operands. Each number comes after its operands.
@@ -363,13 +371,18 @@ impl Graph {
 
     /// For every index, whether the number is one of `roots` or an operand of them at any depth.
     pub(super) fn used_by(&self, roots: &[Id]) -> Vec<bool> {
+        self.reached(roots, Node::operands)
+    }
+
+    /// As [`Graph::used_by`], through some of the operands.
+    fn reached(&self, roots: &[Id], operands: fn(Node) -> [Option<Id>; 2]) -> Vec<bool> {
         let mut is_used = vec![false; self.nodes.len()];
         for root in roots {
             is_used[root.index()] = true;
         }
         for i in (0..self.nodes.len()).rev() {
             if is_used[i] {
-                for operand in self.nodes[i].operands().into_iter().flatten() {
+                for operand in operands(self.nodes[i]).into_iter().flatten() {
                     is_used[operand.index()] = true;
                 }
             }
@@ -385,6 +398,17 @@ impl Graph {
     /// Whether a number depends on one of these states.
     pub fn depends_on_states(&self, root: Id, wanted: impl Fn(usize) -> bool) -> bool {
         self.depends(root, |input| input > 0 && wanted(usize::from(input) - 1))
+    }
+
+    /// Whether a number has isolated values where time and these states vary and other states do
+    /// not: it depends on them through conditions alone.
+    pub fn is_isolated_from(&self, root: Id, vary: impl Fn(usize) -> bool) -> bool {
+        let is_used = self.reached(&[root], Node::values);
+        let mut nodes = self.nodes.iter().zip(is_used);
+        !nodes.any(|(node, is_used)| {
+            let varies = |input: u8| input == 0 || vary(usize::from(input) - 1);
+            is_used && matches!(node, Node::Input(k) if varies(*k))
+        })
     }
 
     /// Whether a number depends on the state.

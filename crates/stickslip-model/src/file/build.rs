@@ -448,16 +448,15 @@ fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
     file.states.iter().map(|state| state.is_discrete).collect()
 }
 
-/// The states that jumps set to isolated values: to expressions of constants and such states.
+/// The states that jumps set to isolated values: to expressions of constants and such states, of
+/// which a condition may choose one.
 fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete = constant_between_jumps(file);
     loop {
         let is_held = |state: usize| {
-            let depends = |&id: &Id| {
-                let known = |of: usize| discrete.get(of) == Some(&true);
-                graph.depends_on_time(id) || graph.depends_on_states(id, |of| !known(of))
-            };
-            discrete[state] && sets.iter().any(|set| depends(&set[state]))
+            let varies = |of: usize| discrete.get(of) != Some(&true);
+            let depends = |set: &Vec<Id>| !graph.is_isolated_from(set[state], varies);
+            discrete[state] && sets.iter().any(depends)
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {
             Some(state) => discrete[state] = false,

@@ -49,8 +49,8 @@
 //! has a `width`. The shape `table` has `times` and `values`, or a `file`, and `between`.
 //! `[switches.NAME]` is the sign of a `function` of time.
 //!
-//! `[curves.NAME]` describes a function of one argument by its `points`, or a `file`. It is `linear`
-//! or `monotone` `between` them. `beyond` them its ends hold, go on (`extend`) or are an `error`.
+//! `[curves.NAME]` describes a function of one argument by its `points`, or a `file`. It is linear
+//! or monotone `between` them. `beyond` them its ends hold, go on (`extend`) or are an `error`.
 
 mod build;
 mod builder;

@@ -49,6 +49,17 @@ fn a_jump_chooses_what_it_sets() {
     }
 }
 
+/// What is chosen by a velocity is none.
+#[test]
+fn a_state_that_choices_set_to_isolated_values_is_discrete() {
+    let discrete = |text: &str| system(text).built.switching.discrete.clone();
+    assert_eq!(discrete(BALL), [false, false, true]);
+    let sampled = BALL.replacen("vmin, 0, fly)", "vmin, v, fly)", 1);
+    assert_eq!(discrete(&sampled), [false, false, false]);
+    let timed = BALL.replacen("vmin, 0, fly)", "vmin, t, fly)", 1);
+    assert_eq!(discrete(&timed), [false, false, false]);
+}
+
 /// Each comparison, at smaller, equal and larger numbers.
 #[test]
 fn comparisons_hold_as_they_are_written() {
