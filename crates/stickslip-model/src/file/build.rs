@@ -12,7 +12,7 @@ use crate::expression::{
     Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
 };
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
+    Combination, Condition, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
 };
 
 /// The tapes of a system.
@@ -373,14 +373,18 @@ fn switching(
             builder.choosing().condition(formula)
         });
         let condition = condition.transpose()?;
-        let all = set.iter().chain([&when]).chain(&condition);
+        let all = set.iter().chain([&when]).chain(condition.iter().flatten());
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
             direction: entry.direction,
-            condition: condition
-                .map(|holds| tape(file, graph, &[holds], inputs))
-                .transpose()?,
+            condition: match condition {
+                None => None,
+                Some(numbers) => Some(Condition {
+                    count: numbers.len(),
+                    numbers: tape(file, graph, &numbers, inputs)?,
+                }),
+            },
             set: Map::Formulas(tape(file, graph, &set, inputs)?),
             most: entry.most,
             of_stop: None,

@@ -124,7 +124,13 @@ impl System {
             .iter()
             .flatten()
             .map(|formula| (key("set"), formula));
-        evaluation.first(std::iter::once((key("when"), &jump.when)).chain(set))
+        let conditions = jump.condition.iter().flat_map(|formula| {
+            let numbers = operands(&formula.tree).into_iter();
+            numbers.map(|number| (key("if"), formula, number))
+        });
+        let when = evaluation.first(std::iter::once((key("when"), &jump.when)));
+        when.or_else(|| evaluation.first_part(conditions))
+            .or_else(|| evaluation.first(set))
     }
 }
 
@@ -172,7 +178,11 @@ impl<'a> Evaluation<'a> {
     /// The undefined part, with defined operands, of the first of some formulas that is undefined.
     /// The formulas have their keys.
     fn first(&self, formulas: impl Iterator<Item = (String, &'a Formula)>) -> Option<String> {
-        let wholes = formulas.map(|(key, formula)| (key, formula, &formula.tree));
+        self.first_part(formulas.map(|(key, formula)| (key, formula, &formula.tree)))
+    }
+
+    /// As [`Evaluation::first`], of some parts of formulas.
+    fn first_part(&self, wholes: impl Iterator<Item = Part<'a>>) -> Option<String> {
         let (mut part, mut value) = self.undefined(wholes)?;
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
             (part, value) = inner;

@@ -234,14 +234,33 @@ pub struct Jump {
     pub when: Tape,
     /// Direction of the sign change.
     pub direction: Direction,
-    /// 1 where the jump happens, 0 where it does not; `None` if it always does.
-    pub condition: Option<Tape>,
+    /// Its condition; `None` if it always happens.
+    pub condition: Option<Condition>,
     /// The states after the jump.
     pub set: Map,
     /// The run ends with this jump of the count.
     pub most: Option<u64>,
     /// The stop that it is an event of, and which one.
     pub of_stop: Option<(usize, StopEvent)>,
+}
+
+/// The condition of a jump.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Condition {
+    /// 1 where it holds, 0 elsewhere. The numbers by whose signs it is decided follow.
+    pub numbers: Tape,
+    /// How many numbers these are.
+    pub count: usize,
+}
+
+impl Condition {
+    /// Whether it holds; `None` where a number in it is none.
+    fn holds(&self, t: f64, x: &[f64]) -> Option<bool> {
+        let mut numbers = vec![f64::NAN; self.count];
+        self.numbers.evaluate(t, x, &mut numbers);
+        let is_defined = numbers.iter().all(|number| !number.is_nan());
+        is_defined.then(|| numbers.first().is_some_and(|holds| *holds > 0.0))
+    }
 }
 
 /// What a jump sets.
@@ -302,6 +321,13 @@ impl Switching {
     pub fn after<T: Scalar>(&self, jump: usize, t: T, x: &mut [T]) {
         let jump = &self.jumps[jump];
         let impacts = self.impacts.as_ref();
+        let is_undefined = jump.condition.as_ref().is_some_and(|condition| {
+            let values: Vec<f64> = x.iter().map(|x| x.value()).collect();
+            condition.holds(t.value(), &values).is_none()
+        });
+        if is_undefined {
+            return x.fill(T::constant(f64::NAN));
+        }
         match &jump.set {
             Map::Formulas(tape) => {
                 let before = x.to_vec();
@@ -344,13 +370,11 @@ impl Switching {
         }
     }
 
-    /// Whether a jump whose function is zero happens.
+    /// Whether a jump whose function is zero happens. A condition that is not defined there counts
+    /// as one that holds, and the jump sets what is not a number: an error of the run.
     pub fn happens(&self, jump: usize, t: f64, x: &[f64]) -> bool {
-        self.jumps[jump].condition.as_ref().is_none_or(|condition| {
-            let mut holds = [0.0];
-            condition.evaluate(t, x, &mut holds);
-            holds[0] > 0.0
-        })
+        let condition = self.jumps[jump].condition.as_ref();
+        condition.is_none_or(|condition| condition.holds(t, x) != Some(false))
     }
 
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {

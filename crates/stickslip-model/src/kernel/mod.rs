@@ -15,7 +15,7 @@ use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use compiled::{Size, dynamics};
 pub use impacts::Impacts;
-pub use inputs::{HELD_PER_INPUT, Input, Jump, Map, Piece, Shape, Switching, pulse};
+pub use inputs::{Condition, HELD_PER_INPUT, Input, Jump, Map, Piece, Shape, Switching, pulse};
 pub use system::{
     Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
 };

@@ -196,6 +196,17 @@ fn only_the_chosen_branch_needs_a_value() {
     }
 }
 
+#[test]
+fn a_condition_without_a_value_is_an_error() {
+    let text = BALL.replacen("set =", "if = \"h < 1 and sqrt(-v - 10) < 2\"\nset =", 1);
+    for method in METHODS {
+        let run = Run::of(system(&text), &options(method), None);
+        let words = run.words();
+        let place = "in `if` of [jumps.bounce], `sqrt(-v - 10)` is not a number where `-v - 10` is";
+        assert!(words.contains(place), "{words}");
+    }
+}
+
 /// A thermostat with a jump that is never carried out has the orbit that it has without it.
 #[test]
 fn orbits_and_branches_go_through_zeros_that_say_nothing() {

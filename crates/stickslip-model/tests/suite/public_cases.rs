@@ -184,13 +184,19 @@ fn friction_that_outlasts_its_normal_force_is_told() {
         [start]\nx = 0\nv = 0\ny = 0\nw = 0\n";
     for method in METHODS {
         let words = failed(floors, &options(method));
-        assert!(words.contains("the normal force of contact `a` vanishes there"), "{words}");
+        assert!(
+            words.contains("the normal force of contact `a` vanishes there"),
+            "{words}"
+        );
         assert!(words.contains("t = 1,"), "{words}");
         // In proportion to it, friction 2 N holds up to N = 1/4.
         let text = floors.replacen("friction = 1\n", "friction = \"2*(t - 1)*(t - 2)\"\n", 1);
         let (found, transitions) = simulated(&text, method, 1.5);
         let leaves = 1.5 - 2.0_f64.sqrt() / 2.0;
-        assert!((transitions[0].0 - leaves).abs() < 1e-9, "{method}: {transitions:?}");
+        assert!(
+            (transitions[0].0 - leaves).abs() < 1e-9,
+            "{method}: {transitions:?}"
+        );
         // From there a = 1/2 - 2 N up to t = 1, then 1/2.
         let n = |t: f64| t * t * t / 3.0 - 1.5 * t * t + 2.0 * t;
         let at_one = 0.5 * (1.0 - leaves) - 2.0 * (n(1.0) - n(leaves));
