@@ -12,7 +12,8 @@ use crate::expression::{
     Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
 };
 use crate::kernel::{
-    Combination, Condition, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse, sides_to_check,
+    Combination, Condition, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse,
+    sides_to_check,
 };
 
 /// The tapes of a system.
