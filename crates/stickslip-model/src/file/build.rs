@@ -369,21 +369,29 @@ fn switching(
             return Err(Problem::new(message, entry.place.clone())
                 .help("set = { v = \"-r*v\" } changes `v`; stop = true ends the run there"));
         }
-        let condition = entry.condition.as_ref().map(|formula| {
-            let builder = Builder::new(file, inputs, graph, scope);
-            builder.choosing().condition(formula)
-        });
-        let condition = condition.transpose()?;
-        let all = set.iter().chain([&when]).chain(condition.iter().flatten());
+        let condition = match entry
+            .condition
+            .as_ref()
+            .map(|formula| (formula, &formula.tree.kind))
+        {
+            Some((formula, ExpressionKind::Condition(test))) => {
+                let builder = Builder::new(file, inputs, graph, scope);
+                Some((test, builder.choosing().leads(formula, test)?))
+            }
+            _ => None,
+        };
+        let leads = condition.iter().flat_map(|(_, leads)| leads);
+        let all = set.iter().chain([&when]).chain(leads);
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
             direction: entry.direction,
             condition: match condition {
                 None => None,
-                Some(numbers) => Some(Condition {
-                    count: numbers.len(),
-                    numbers: tape(file, graph, &numbers, inputs)?,
+                Some((test, leads)) => Some(Condition {
+                    test: (**test).clone(),
+                    count: leads.len(),
+                    leads: tape(file, graph, &leads, inputs)?,
                 }),
             },
             set: Map::Formulas(tape(file, graph, &set, inputs)?),

@@ -149,8 +149,6 @@ pub(super) struct Builder<'a> {
     approach: Option<Id>,
     /// Whether a choice may stand here.
     chooses: bool,
-    /// The numbers whose signs decide conditions so far.
-    leads: Vec<Id>,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
     /// Levels of nesting so far.
@@ -181,7 +179,6 @@ impl<'a> Builder<'a> {
             forces: None,
             approach: None,
             chooses: false,
-            leads: Vec::new(),
             sided: 0,
             depth: 0,
         }
@@ -693,16 +690,23 @@ impl<'a> Builder<'a> {
         self.chosen((formula, condition), branches, &place)
     }
 
-    /// 1 where a condition holds, 0 elsewhere. The numbers by whose signs it is decided follow.
-    pub(super) fn condition(&mut self, formula: &Formula) -> Result<Vec<Id>, Problem> {
-        let place = formula.whole();
-        let ExpressionKind::Condition(condition) = &formula.tree.kind else {
-            return Err(Problem::new("this is no condition", place));
+    /// The number whose sign decides each comparison of a condition, in order.
+    pub(super) fn leads(
+        &mut self,
+        formula: &Formula,
+        condition: &Condition,
+    ) -> Result<Vec<Id>, Problem> {
+        let numbers = condition.numbers();
+        let pairs = numbers.chunks_exact(2);
+        let lead = |pair: &[&Expression]| {
+            let (larger, smaller) = (
+                self.expression(formula, pair[0])?,
+                self.expression(formula, pair[1])?,
+            );
+            let lead = self.graph.binary(Binary::Difference, larger, smaller);
+            lead.map_err(|error| no_number(error, formula.at(&pair[0].span)))
         };
-        let branches = [1.0, 0.0].map(|value| self.graph.constant(value));
-        let [yes, no] = branches.map(|made| made.map_err(|error| no_number(error, place.clone())));
-        let holds = self.chosen((formula, condition), [yes?, no?], &place)?;
-        Ok(std::iter::once(holds).chain(self.leads.drain(..)).collect())
+        pairs.map(lead).collect()
     }
 
     /// The first of two numbers where a condition holds, the second elsewhere.
@@ -727,11 +731,9 @@ impl<'a> Builder<'a> {
                     self.expression(formula, more)?,
                     self.expression(formula, less)?,
                 );
-                let wrong = |error| no_number(error, place.clone());
                 let lead = self.graph.binary(Binary::Difference, more, less);
-                let lead = lead.map_err(wrong)?;
-                self.leads.push(lead);
-                self.graph.chosen(lead, there, elsewhere).map_err(wrong)
+                let made = lead.and_then(|lead| self.graph.chosen(lead, there, elsewhere));
+                made.map_err(|error| no_number(error, place.clone()))
             }
             Condition::Not(part) => self.chosen((formula, part), [no, yes], place),
             Condition::All(parts) => parts.iter().rev().try_fold(yes, |yes, part| {

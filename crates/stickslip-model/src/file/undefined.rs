@@ -124,13 +124,13 @@ impl System {
             .iter()
             .flatten()
             .map(|formula| (key("set"), formula));
-        let conditions = jump.condition.iter().flat_map(|formula| {
+        let mut conditions: Vec<Part<'_>> = Vec::new();
+        if let Some(formula) = &jump.condition {
             let numbers = operands(&formula.tree).into_iter();
-            let of_condition = key("if");
-            numbers.map(move |number| (of_condition.clone(), formula, number))
-        });
+            conditions.extend(numbers.map(|number| (key("if"), formula, number)));
+        }
         let when = evaluation.first(std::iter::once((key("when"), &jump.when)));
-        when.or_else(|| evaluation.first_part(conditions))
+        when.or_else(|| evaluation.first_part(conditions.into_iter()))
             .or_else(|| evaluation.first(set))
     }
 }

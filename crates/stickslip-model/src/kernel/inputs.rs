@@ -8,7 +8,7 @@ use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
 use super::impacts::Impacts;
-use crate::expression::Tape;
+use crate::expression::{self, Tape};
 use crate::file::StopEvent;
 
 /// Number of states that an input adds. They are constant from one kink to the next: a value, and a
@@ -247,19 +247,40 @@ pub struct Jump {
 /// The condition of a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// 1 where it holds, 0 elsewhere. The numbers by whose signs it is decided follow.
-    pub numbers: Tape,
-    /// How many numbers these are.
+    /// The comparisons and how they are joined.
+    pub test: expression::Condition,
+    /// For each comparison in order, how much larger the number is that is asked to be larger.
+    pub leads: Tape,
+    /// How many comparisons there are.
     pub count: usize,
 }
 
 impl Condition {
-    /// Whether it holds; `None` where a number in it is none.
+    /// Whether it holds; `None` where a number that decides it is none.
     fn holds(&self, t: f64, x: &[f64]) -> Option<bool> {
-        let mut numbers = vec![f64::NAN; self.count];
-        self.numbers.evaluate(t, x, &mut numbers);
-        let is_defined = numbers.iter().all(|number| !number.is_nan());
-        is_defined.then(|| numbers.first().is_some_and(|holds| *holds > 0.0))
+        let mut leads = vec![f64::NAN; self.count];
+        self.leads.evaluate(t, x, &mut leads);
+        judged(&self.test, &mut leads.into_iter())
+    }
+}
+
+/// Whether a condition holds with these leads, of which it takes its own. Of several parts, the
+/// first that decides counts; `None` where it is not defined.
+fn judged(test: &expression::Condition, leads: &mut impl Iterator<Item = f64>) -> Option<bool> {
+    use expression::Condition as Test;
+    let mut first = |parts: &[Test], decides: bool| {
+        let all: Vec<Option<bool>> = parts.iter().map(|part| judged(part, leads)).collect();
+        let found = all.into_iter().find(|part| *part != Some(!decides));
+        found.unwrap_or(Some(!decides))
+    };
+    match test {
+        Test::All(parts) => first(parts, false),
+        Test::Any(parts) => first(parts, true),
+        Test::Not(part) => judged(part, leads).map(|holds| !holds),
+        Test::Comparison { with_equal, .. } => {
+            let lead = leads.next().filter(|lead| !lead.is_nan())?;
+            Some(lead > 0.0 || *with_equal && lead == 0.0)
+        }
     }
 }
 

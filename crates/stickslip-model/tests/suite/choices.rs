@@ -204,6 +204,16 @@ fn a_condition_without_a_value_is_an_error() {
         let words = run.words();
         let place = "in `if` of [jumps.bounce], `sqrt(-v - 10)` is not a number where `-v - 10` is";
         assert!(words.contains(place), "{words}");
+        // What comes first and decides leaves the rest open.
+        for (condition, count) in [
+            ("v < -10 and sqrt(-v - 10) < 2", 0),
+            ("not (v > -10 or sqrt(-v - 10) < 2)", 0),
+            ("-v >= vmin and (v > -10 or sqrt(-v - 10) < 2)", 7),
+        ] {
+            let text = BALL.replacen("set =", &format!("if = \"{condition}\"\nset ="), 1);
+            let run = Run::of(system(&text), &options(method), None);
+            assert_eq!(run.transitions.len(), count, "{condition}");
+        }
     }
 }
 
