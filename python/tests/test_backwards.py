@@ -115,3 +115,38 @@ def test_what_is_not_known_backwards_is_refused():
         ss.solve_ivp(system, (1, 0), ss.solve_ivp(system, (0, 1)))
     with pytest.raises(ValueError, match="each smaller than the one before"):
         ss.solve_ivp(system, (1, 0), t_eval=[0.2, 0.5])
+
+
+def two_blocks():
+    y, w = ss.states("y w")
+    one = ss.Contact("one", v - 0.2, lambda side: 0.4 / (1 + 2 * side * (v - 0.2)))
+    other = ss.Contact("other", w - 0.3, lambda side: 0.5 / (1 + side * (w - 0.3)))
+    rates = {x: v, v: y - 2 * x - one.friction, y: w, w: x - 2 * y - other.friction}
+    return ss.System(rates, contacts=[one, other])
+
+
+def held():
+    belt = ss.Contact("belt", v - 0.2, lambda side: 0.4 / (1 + 3 * side * (v - 0.2)), static=0.5)
+    return ss.System({x: v, v: -x - 0.05 * v - belt.friction}, contacts=[belt])
+
+
+@pytest.mark.parametrize("make", [falling, held, two_blocks])
+@pytest.mark.filterwarnings("ignore::stickslip.SolverWarning")
+def test_random_orbits_end_at_their_last_slide_or_where_they_began(make):
+    system, random = make(), np.random.default_rng(7)
+    ends = {"slide": 0, "start": 0}
+    for _ in range(60):
+        start, end = random.normal(0, 1.2, len(system.states)), random.uniform(1, 10)
+        sol = ss.solve_ivp(system, (0, end), start)
+        if "S" in sol.phases["mode"][-1]:
+            with pytest.raises(ss.StickslipError, match="the past is not unique"):
+                ss.solve_ivp(system, (end, 0), sol.y[:, -1])
+            continue
+        exits = sol.transitions["t"][sol.transitions["kind"] == "stick exit"]
+        back = ss.solve_ivp(system, (end, 0), sol.y[:, -1])
+        ends["slide" if len(exits) else "start"] += 1
+        if len(exits):
+            assert back.status == 2 and abs(back.t[-1] - exits[-1]) < 1e-3
+        else:
+            assert back.status == 0 and np.allclose(back.y[:, -1], start, rtol=0, atol=1e-6)
+    assert min(ends.values()) > 5

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use plot::Trace;
 use stickslip::dynamics::{
     Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Step, Summary,
-    Transition, Vector,
+    Transition, Vector, Watching,
 };
 use stickslip::error::readable;
 use stickslip::{Direction, Error, Mode, Options, TransitionKind};
@@ -15,7 +15,7 @@ use crate::failure::CommandLine;
 use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
 use stickslip_model::file::{InputShape, Quantities, System};
-use stickslip_model::kernel::follow_on;
+use stickslip_model::kernel::{follow_all, follow_on};
 use stickslip_model::study::{FrictionWatch, StepMonitor};
 
 /// Number of parts of a step for a curve through the orbit, which has a point between any two.
@@ -258,51 +258,15 @@ impl Recording {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
         let begin = Moment { t, x };
         let at = begin.clone();
-        let mut recording = Recording {
-            phases: Vec::new(),
-            transitions: Vec::new(),
-            passages: Vec::new(),
-            doubtful: Vec::new(),
-            end: begin.clone(),
-            steps: Vec::new(),
-            quantities: (quantities.names().to_vec(), Vec::new()),
-            pictures: wanted
-                .figures
-                .then(|| Pictures::new(system, &begin, quantities.names().len())),
-            memory: None,
-            mode: None,
-            wanted,
-            t_end,
-            monitor: StepMonitor::new(start, t_end, options),
-            progress: wanted
-                .progress
-                .then(|| DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go")),
-            begin,
-        };
+        let mut recording =
+            Recording::new(system, &begin, t_end, options, wanted, &quantities);
         let mut friction = FrictionWatch::new(system);
-        recording.row(start.0, start.1);
         let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
-            if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
-                recording.monitor.begin_anew();
-            }
-            match progress {
-                OrbitProgress::Step => {
-                    recording.step(orbit, &mut quantities);
-                    friction.step(orbit);
-                }
-                OrbitProgress::PhaseEnd(phase) => recording.phases.push(phase),
-                OrbitProgress::Transition(at) => {
-                    recording.transitions.push(Occurrence::Transition(at));
-                }
-                OrbitProgress::Kink(at) => recording.transitions.push(Occurrence::Kink(at)),
-                OrbitProgress::Passage(at) => recording.passages.push(at),
-                OrbitProgress::End(_) => {}
-            }
-            ControlFlow::Continue(())
+            recording.watch((&mut friction, &mut quantities), progress, orbit)
         };
         let (dynamics, sections) = (system.dynamics(), system.sections());
         let begun = match from {
-            None => dynamics.begin(&at, t_end, options, &sections),
+            None => dynamics.begin(&begin, t_end, options, &sections),
             Some(memory) => dynamics.resume(memory, t_end, options, &sections),
         };
         let mut memory = None;
@@ -313,22 +277,123 @@ impl Recording {
             ended
         });
         recording.memory = memory;
-        // A jump at the very end leads to another state.
-        if let Ok(end) = &ended
-            && recording.end.t == end.t
-            && recording.end.x != end.x
-        {
-            recording.row(end.t, end.x.as_slice());
-            recording.observe(&mut quantities);
-            recording.end.x.clone_from(&end.x);
+        recording.finish(system, (friction, quantities), &ended);
+        (recording, ended)
+    }
+
+    /// Records the runs from several starts, each with the bits of a single run.
+    pub(super) fn of_all(
+        system: &System,
+        starts: &[Moment],
+        t_end: f64,
+        options: &Options,
+        wanted: Wanted,
+        quantities: Vec<Quantities<'_>>,
+    ) -> Vec<(Self, Result<Summary, Error>)> {
+        let new = |(at, of)| Recording::new(system, at, t_end, options, wanted, of);
+        let mut recordings: Vec<Recording> = starts.iter().zip(&quantities).map(new).collect();
+        let watches = quantities.into_iter().map(|of| (FrictionWatch::new(system), of));
+        let mut watches: Vec<(FrictionWatch<'_>, Quantities<'_>)> = watches.collect();
+        let watcher = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
+            let (friction, quantities) = &mut watches[number];
+            recordings[number].watch((friction, quantities), progress, orbit)
+        };
+        let (dynamics, sections) = (system.dynamics(), system.sections());
+        let watching = Watching {
+            sections: &sections,
+            // Friction laws are evaluated within steps.
+            solutions: wanted.figures || system.contacts() > 0,
+        };
+        let ended = follow_all(dynamics, starts, t_end, options, watching, watcher);
+        let all = recordings.into_iter().zip(watches).zip(ended);
+        let finished = all.map(|((mut recording, watches), ended)| {
+            recording.finish(system, watches, &ended);
+            (recording, ended)
+        });
+        finished.collect()
+    }
+
+    /// A recording of a run before its first step.
+    fn new(
+        system: &System,
+        begin: &Moment,
+        t_end: f64,
+        options: &Options,
+        wanted: Wanted,
+        quantities: &Quantities<'_>,
+    ) -> Self {
+        let start = (begin.t, begin.x.as_slice());
+        let mut recording = Recording {
+            phases: Vec::new(),
+            transitions: Vec::new(),
+            passages: Vec::new(),
+            doubtful: Vec::new(),
+            end: begin.clone(),
+            steps: Vec::new(),
+            quantities: (quantities.names().to_vec(), Vec::new()),
+            pictures: wanted
+                .figures
+                .then(|| Pictures::new(system, begin, quantities.names().len())),
+            memory: None,
+            mode: None,
+            wanted,
+            t_end,
+            monitor: StepMonitor::new(start, t_end, options),
+            progress: wanted
+                .progress
+                .then(|| DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go")),
+            begin: begin.clone(),
+        };
+        recording.row(start.0, start.1);
+        recording
+    }
+
+    /// Records what an orbit reports.
+    fn watch(
+        &mut self,
+        (friction, quantities): (&mut FrictionWatch<'_>, &mut Quantities<'_>),
+        progress: OrbitProgress,
+        orbit: &mut dyn OrbitUnderWay,
+    ) -> ControlFlow<()> {
+        if !matches!(progress, OrbitProgress::Step | OrbitProgress::Passage(_)) {
+            self.monitor.begin_anew();
         }
-        if let Some(progress) = recording.progress.take() {
+        match progress {
+            OrbitProgress::Step => {
+                self.step(orbit, quantities);
+                friction.step(orbit);
+            }
+            OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
+            OrbitProgress::Transition(at) => self.transitions.push(Occurrence::Transition(at)),
+            OrbitProgress::Kink(at) => self.transitions.push(Occurrence::Kink(at)),
+            OrbitProgress::Passage(at) => self.passages.push(at),
+            OrbitProgress::End(_) => {}
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Completes the recording of a run that has ended.
+    fn finish(
+        &mut self,
+        system: &System,
+        (friction, mut quantities): (FrictionWatch<'_>, Quantities<'_>),
+        ended: &Result<Summary, Error>,
+    ) {
+        // A jump at the very end leads to another state.
+        if let Ok(end) = ended
+            && self.end.t == end.t
+            && self.end.x != end.x
+        {
+            self.row(end.t, end.x.as_slice());
+            self.observe(&mut quantities);
+            self.end.x.clone_from(&end.x);
+        }
+        if let Some(progress) = self.progress.take() {
             progress.clear();
         }
-        recording.doubtful.extend(friction.warning());
-        let below = recording.monitor.below_tolerance(system, &CommandLine);
-        recording.doubtful.extend(below);
-        (recording, ended)
+        self.doubtful.extend(friction.warning());
+        let below = self.monitor.below_tolerance(system, &CommandLine);
+        self.doubtful.extend(below);
     }
 
     /// Adds a row of time and state, if it is wanted.

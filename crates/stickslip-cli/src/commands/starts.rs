@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 
-use stickslip::dynamics::Summary;
+use stickslip::dynamics::{Moment, Summary, Vector};
 use stickslip::error::readable;
 use stickslip_model::expression::normal;
 use stickslip_model::file::System;
@@ -108,7 +108,6 @@ fn column(input: &str, name: &str, system: &System) -> Result<Column, Failure> {
 
 /// An orbit, and how it ended.
 struct Followed {
-    x: Vec<f64>,
     recording: Recording,
     ended: Result<Summary, String>,
 }
@@ -154,25 +153,27 @@ pub(super) fn run(
     };
     let (t, _) = run.start.except(&system, &states)?;
     options.check_span(t, t_end)?;
-    let follow = |system: &System, rows: &[usize]| -> Result<Vec<Followed>, Failure> {
-        let follow = |&row: &usize| {
-            let (t, mut x) = run.start.except(system, &states)?;
-            for (column, value) in starts.of(row, false) {
-                if let Column::State(state) = column {
-                    x[state] = value;
-                }
+    let begin = |system: &System, row: usize| -> Result<Moment, Failure> {
+        let (t, mut x) = run.start.except(system, &states)?;
+        for (column, value) in starts.of(row, false) {
+            if let Column::State(state) = column {
+                x[state] = value;
             }
-            let (start, quantities) = ((t, &x[..]), system.quantities(observed)?);
-            let (recording, ended) =
-                Recording::of(system, start, t_end, &options, wanted, None, quantities);
-            let ended = ended.map_err(|error| in_words(&error, system));
-            Ok(Followed {
-                x,
-                recording,
-                ended,
-            })
-        };
-        rows.iter().map(follow).collect()
+        }
+        let x = Vector::from_vec(x);
+        Ok(Moment { t, x })
+    };
+    let follow = |system: &System, rows: &[usize]| -> Result<Vec<Followed>, Failure> {
+        let begins = rows.iter().map(|&row| begin(system, row));
+        let begins = begins.collect::<Result<Vec<Moment>, Failure>>()?;
+        let quantities = begins.iter().map(|_| system.quantities(observed));
+        let quantities = quantities.collect::<Result<Vec<_>, _>>()?;
+        let all = Recording::of_all(system, &begins, t_end, &options, wanted, quantities);
+        let followed = all.into_iter().map(|(recording, ended)| Followed {
+            recording,
+            ended: ended.map_err(|error| in_words(&error, system)),
+        });
+        Ok(followed.collect())
     };
     let orbits = with_spinner("following the orbits", |_| {
         by_system(&system, &names, &values, follow)
@@ -218,7 +219,9 @@ fn tables(
         .many("parameters", names.to_vec(), |&(number, _)| {
             values[number - 1].clone()
         })
-        .state(system, "_start", |(_, orbit)| orbit.x.clone())
+        .state(system, "_start", |(_, orbit)| {
+            orbit.recording.begin.x.clone()
+        })
         .column("t_end", |(_, orbit)| match &orbit.ended {
             Ok(summary) => summary.t,
             Err(_) => orbit.recording.end.t,

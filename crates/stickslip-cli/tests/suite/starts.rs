@@ -6,7 +6,8 @@ use crate::public_cases::program;
 
 /// A block that friction of two sides holds on a belt, and one state that may escape.
 const BLOCK: &str = "name = \"block\"\n[states]\nx = \"\"\nv = \"\"\nz = \"\"\n\
-    [parameters]\nvp = 0.2\n[contacts.belt]\nboundary = \"v - vp\"\nfriction = \"0.4/(1 + 3*belt*(v - vp))\"\n[field]\n\
+    [parameters]\nvp = 0.2\n[contacts.belt]\nboundary = \"v - vp\"\n\
+    friction = \"0.4/(1 + 3*belt*(v - vp))\"\n[field]\n\
     x = \"v\"\nv = \"-x - 0.05*v - friction(belt)\"\nz = \"z*z\"\n[section]\nfunction = \"x\"\n\
     [start]\nx = 0.5\nv = 0\nz = 0\n[time]\nend = 20\n";
 
