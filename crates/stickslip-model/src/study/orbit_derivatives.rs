@@ -22,7 +22,7 @@ const STEP: f64 = 1e-3;
 /// smooth multiplier they differ by about the square of the step.
 const ROUGH: f64 = 1e-2;
 
-/// Error of a multiplier, relative to the largest entry of the monodromy matrix, over the tolerance.
+/// Error of a multiplier over the tolerance, relative to the largest entry of the monodromy matrix.
 /// It is chosen: the error of derivatives over that of states.
 const ERROR_OF_MULTIPLIERS: f64 = 1e3;
 

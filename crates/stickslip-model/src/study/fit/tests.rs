@@ -1,6 +1,7 @@
 //! Derivatives of residuals against differences of runs.
 
 use stickslip::Options;
+use stickslip::error::readable;
 use stickslip::analysis::Loss;
 
 use super::problem::Problem;
@@ -156,11 +157,12 @@ fn a_part_without_a_run_is_named() {
     let Err(error) = shooting::matched(&parts, &x, &mut work) else {
         panic!("the last part runs");
     };
-    let FitError::Part { span, cause, .. } = &error else {
+    let FitError::Part { part, cause } = &error else {
         panic!("{error}");
     };
     let times = &request.records[0].times;
-    assert_eq!(*span, (times[19], times[29]));
+    let [from, to] = [times[19], times[29]].map(readable);
+    assert_eq!(*part, format!("record: the part from {from} to {to}"));
     assert!(cause.is_some());
     assert!(error.to_string().contains("another number of segments"));
 }
