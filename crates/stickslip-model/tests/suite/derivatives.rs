@@ -199,7 +199,10 @@ fn derivatives_are_those_of_forty_digits() {
             for (own, wanted) in own.into_iter().zip(&cells[3..]) {
                 let wanted: f64 = wanted.parse().unwrap();
                 let off = (own - wanted).abs();
-                assert!(off < CLOSE * wanted.abs().max(1.0), "{method}, {row}: {own}");
+                assert!(
+                    off < CLOSE * wanted.abs().max(1.0),
+                    "{method}, {row}: {own}"
+                );
                 compared += 1;
             }
         }

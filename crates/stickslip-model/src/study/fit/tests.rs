@@ -1,8 +1,8 @@
 //! Derivatives of residuals against differences of runs.
 
 use stickslip::Options;
-use stickslip::error::readable;
 use stickslip::analysis::Loss;
+use stickslip::error::readable;
 
 use super::problem::Problem;
 use super::*;

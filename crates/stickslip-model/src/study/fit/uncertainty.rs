@@ -143,7 +143,7 @@ impl Uncertainty {
             own.undetermined.push(named);
         }
         // Parts follow a record that no orbit does; each direction would take a run of all.
-        if !problem.parts.is_some() {
+        if problem.parts.is_none() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
         if best.end == LeastSquaresEnd::Change {
