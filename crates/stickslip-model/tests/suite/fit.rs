@@ -625,7 +625,7 @@ fn found_of_chaotic(records: u64, periods: u32) -> [usize; 2] {
         unknowns.push(unknown("v", Some(off(random) * start[1])));
         let mut request = request(file, unknowns, vec![observable("x", None)]);
         request.options = stickslip::Options::tol(1e-10);
-        request.segments = segments;
+        (request.segments, request.most_evaluations) = (segments, 500);
         let sigma = 0.01;
         request
             .records

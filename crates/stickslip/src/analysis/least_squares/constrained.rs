@@ -155,7 +155,13 @@ impl<F> Search<'_, F> {
             0.0 => 1.0,
             size => size,
         };
-        let (mut steps, mut crossings, mut penalty) = (0, 0, 0.0_f64);
+        let (mut steps, mut crossings) = (0, 0);
+        // From the start the constraints weigh as much as the data, and as their own squares.
+        let gap = here.gap();
+        let mut penalty = match gap > 0.0 {
+            true => gap + here.cost_of_data() / gap,
+            false => 0.0,
+        };
         let end = 'search: loop {
             if !here.is_usable() {
                 break LeastSquaresEnd::NotFinite;
