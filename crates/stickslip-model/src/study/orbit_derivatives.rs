@@ -113,9 +113,9 @@ impl OrbitVariables {
         })
     }
 
-    /// The derivatives of an orbit of the system. A driven one was found from a time `origin`, whole
-    /// periods before: the derivatives of its state are those at that time, so that the state keeps
-    /// its phase in the drive.
+    /// The derivatives of an orbit of the system. A driven one was found from a time `origin`,
+    /// whole periods before: the derivatives of its state are those at that time, so that the state
+    /// keeps its phase in the drive.
     ///
     /// # Errors
     /// [`DerivativeError`]; a drive without a formula of its period among them.

@@ -131,8 +131,8 @@ fn start_alone(parts: &Problem<'_>, x: &Vector, node: &Node, most: usize) -> (Ve
     }
 }
 
-/// The minimum near a point where a mismatch costs its weighted square (relaxed as by Ribeiro et al.,
-/// *Automatica* 121 (2020) 109158).
+/// The minimum near a point where a mismatch costs its weighted square (relaxed as by Ribeiro et
+/// al., *Automatica* 121 (2020) 109158).
 fn relaxed(
     parts: &Problem<'_>,
     x: Vector,
