@@ -79,7 +79,11 @@ def solve(
     report: _Report,
 ) -> _Found: ...
 def periodic_orbit(
-    system: System, start: _Start, search: _Search, settings: _Settings
+    system: System,
+    start: _Start,
+    search: _Search,
+    derivatives: Sequence[str],
+    settings: _Settings,
 ) -> _Found: ...
 def poincare_map(
     system: System,

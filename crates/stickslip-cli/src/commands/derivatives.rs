@@ -110,8 +110,8 @@ pub(super) fn orbit_variables(system: &System, list: &str) -> Result<OrbitVariab
         .map_err(|error| Failure::Usage(format!("--derivatives {list}: {error}")))
 }
 
-/// Adds the derivatives of a periodic orbit: lines, fields, and orbit_derivatives.csv with a row for
-/// each quantity.
+/// Adds the derivatives of a periodic orbit: lines, fields, and orbit_derivatives.csv with a row
+/// for each quantity.
 pub(super) fn put_of_orbit(
     prepared: &PreparedRun,
     orbit: &PeriodicOrbit,

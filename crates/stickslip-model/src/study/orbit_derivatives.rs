@@ -22,7 +22,7 @@ const STEP: f64 = 1e-3;
 /// smooth multiplier they differ by about the square of the step.
 const ROUGH: f64 = 1e-2;
 
-/// Error of a multiplier, relative to the largest entry of the monodromy matrix, over the tolerance.
+/// Error of a multiplier over the tolerance, relative to the largest entry of the monodromy matrix.
 /// It is chosen: the error of derivatives over that of states.
 const ERROR_OF_MULTIPLIERS: f64 = 1e3;
 
@@ -113,9 +113,9 @@ impl OrbitVariables {
         })
     }
 
-    /// The derivatives of an orbit of the system. A driven one was found from a time `origin`, whole
-    /// periods before: the derivatives of its state are those at that time, so that the state keeps
-    /// its phase in the drive.
+    /// The derivatives of an orbit of the system. A driven one was found from a time `origin`,
+    /// whole periods before: the derivatives of its state are those at that time, so that the state
+    /// keeps its phase in the drive.
     ///
     /// # Errors
     /// [`DerivativeError`]; a drive without a formula of its period among them.

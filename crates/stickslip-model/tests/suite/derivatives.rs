@@ -182,6 +182,35 @@ fn derivatives_are_those_of_differences_on_all_shipped_systems() {
 }
 
 #[test]
+fn derivatives_are_those_of_forty_digits() {
+    // Chosen: some hundred tolerances, times the growth of an error along the orbit.
+    const CLOSE: f64 = 1e-9;
+    let mut compared = 0;
+    for row in include_str!("../data/derivatives.csv").lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        let (system, name) = (open(cells[0]), cells[1]);
+        let until = if cells[0] == "belt" { 12.0 } else { 14.0 };
+        for method in METHODS {
+            let found = found(&system, &[name], &[until], method);
+            assert!(found.lost.is_none(), "{row}: {:?}", found.lost);
+            assert_eq!(found.transitions.len().to_string(), cells[2], "{row}");
+            let last = found.transitions.last().unwrap().t[0];
+            let own = [last, found.states[0][(0, 0)], found.states[0][(1, 0)]];
+            for (own, wanted) in own.into_iter().zip(&cells[3..]) {
+                let wanted: f64 = wanted.parse().unwrap();
+                let off = (own - wanted).abs();
+                assert!(
+                    off < CLOSE * wanted.abs().max(1.0),
+                    "{method}, {row}: {own}"
+                );
+                compared += 1;
+            }
+        }
+    }
+    assert_eq!(compared, 2 * 3 * 7);
+}
+
+#[test]
 fn derivatives_pass_jumps_samples_inputs_static_friction_and_several_contacts() {
     let driven = system(DRIVEN);
     let by = ["mu", "more", "speed", "T", "e", "x", "v"];

@@ -51,7 +51,9 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
     system.flow(mode, at).velocity(at)
 }
 
-/// The monodromy matrix, and the velocity at the end. An autonomous flow carries its own direction exactly. So that direction is
+/// The monodromy matrix, and the velocity at the end.
+///
+/// An autonomous flow carries its own direction exactly. So that direction is
 /// removed from the carried vectors and restored at the end. Otherwise the errors of steps along
 /// the flow would grow without bound near an equilibrium, where an orbit is slow and neighbours
 /// separate fast.

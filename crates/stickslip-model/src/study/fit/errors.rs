@@ -119,15 +119,12 @@ pub enum FitError {
     },
     /// A part of a record has no run or no derivatives, in multiple shooting.
     #[error(
-        "{record}: the part from {} to {} has no run with derivatives in multiple shooting: start \
-            elsewhere, take another number of segments, or leave them out",
-            readable(span.0), readable(span.1)
+        "{part} has no run with derivatives in multiple shooting: start elsewhere, take another \
+            number of segments, or leave them out"
     )]
     Part {
-        /// Name of the record.
-        record: String,
-        /// Start and end of the part.
-        span: (f64, f64),
+        /// Name of the record, and start and end of the part.
+        part: String,
         /// Why; none where the run ends before the part does.
         #[source]
         cause: Option<Error>,

@@ -185,11 +185,11 @@ impl<'r> Problem<'r> {
         let record = run.name.clone();
         match cause {
             Some(cause) if self.parts.is_none() => FitError::Start { record, cause },
-            cause => FitError::Part {
-                record,
-                span: run.span(),
-                cause,
-            },
+            cause => {
+                let [from, to] = run.span().map(readable);
+                let part = format!("{record}: the part from {from} to {to}");
+                FitError::Part { part, cause }
+            }
         }
     }
 

@@ -139,9 +139,9 @@ impl RecordRun {
     }
 
     /// The start as far as it is fixed, and the last time of the data.
-    pub(super) fn span(&self) -> (f64, f64) {
+    pub(super) fn span(&self) -> [f64; 2] {
         let start = self.t_start.unwrap_or(self.system.built.t_start);
-        (start, self.times.last().copied().unwrap_or(start))
+        [start, self.times.last().copied().unwrap_or(start)]
     }
 
     /// A formula of the parameters, with its derivative by an unknown.

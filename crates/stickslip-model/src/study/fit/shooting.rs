@@ -9,11 +9,20 @@ use stickslip::dynamics::Vector;
 
 use super::parts::Node;
 use super::problem::{Problem, Sequence};
+use super::record_run::Failed;
 use super::work::Work;
 use super::{Fit, FitError, Uncertainty, finished};
 
-/// Most evaluations for the start of a part alone. It is chosen: all parts go on from there.
+/// Weights of a mismatch over the spread of the state before the parts meet, from that of data with
+/// much noise.
+const WEIGHTS: [f64; 3] = [1e0, 1e1, 1e2];
+
+/// Most evaluations at one weight, and for the start of a part alone. It is chosen: what follows
+/// goes on from there.
 const MOST_EVALUATIONS: usize = 40;
+
+/// Relative tolerance at one weight.
+const RELAXED: f64 = 1e-6;
 
 /// Relative tolerance of the search in parts. It is chosen: a single orbit, where one follows, is
 /// found to that of all fits.
@@ -37,7 +46,11 @@ pub(super) fn fit_in_parts(
     let segments = problem.request.segments;
     let (mut parts, begun) = problem.in_parts(x, segments)?;
     let begun = starts_alone(&parts, begun, &mut work);
-    let mut best = matched(&parts, &begun, &mut work)?;
+    let mut near = begun;
+    for weight in WEIGHTS {
+        near = relaxed(&parts, near, weight, &mut work)?;
+    }
+    let mut best = matched(&parts, &near, &mut work)?;
     let start = best.x.rows(0, problem.unknowns.len()).into_owned();
     let settings = LeastSquaresSettings {
         most_evaluations: work.left(),
@@ -115,6 +128,40 @@ fn start_alone(parts: &Problem<'_>, x: &Vector, node: &Node, most: usize) -> (Ve
     match least_squares(&best, &settings, residuals) {
         Ok(found) => (found.x, tried + found.evaluations),
         Err(_) => (best, tried + 1),
+    }
+}
+
+/// The minimum near a point where a mismatch costs its weighted square (relaxed as by Ribeiro et
+/// al., *Automatica* 121 (2020) 109158).
+fn relaxed(
+    parts: &Problem<'_>,
+    x: Vector,
+    weight: f64,
+    work: &mut Work,
+) -> Result<Vector, FitError> {
+    let count = MOST_EVALUATIONS.min(work.left());
+    if count == 0 {
+        return Ok(x);
+    }
+    let settings = LeastSquaresSettings {
+        bounds: parts.unknowns.bounds(),
+        tolerance: RELAXED,
+        ..settings(parts.request.loss, count)
+    };
+    let found = least_squares(&x, &settings, |x| {
+        let mut at = parts.residuals(x)?;
+        let from = at.values.len() - at.constraints;
+        at.values.rows_range_mut(from..).scale_mut(weight);
+        at.jacobian.rows_range_mut(from..).scale_mut(weight);
+        Ok::<_, Failed>(at)
+    });
+    let found = found.map_err(|error| parts.failed(error));
+    parts.check_interrupt()?;
+    let found = found?;
+    work.add(&found);
+    match found.end {
+        LeastSquaresEnd::NotFinite => Err(parts.lost(&found.x)),
+        _ => Ok(found.x),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use stickslip::Options;
 use stickslip::analysis::Loss;
+use stickslip::error::readable;
 
 use super::problem::Problem;
 use super::*;
@@ -156,11 +157,12 @@ fn a_part_without_a_run_is_named() {
     let Err(error) = shooting::matched(&parts, &x, &mut work) else {
         panic!("the last part runs");
     };
-    let FitError::Part { span, cause, .. } = &error else {
+    let FitError::Part { part, cause } = &error else {
         panic!("{error}");
     };
     let times = &request.records[0].times;
-    assert_eq!(*span, (times[19], times[29]));
+    let [from, to] = [times[19], times[29]].map(readable);
+    assert_eq!(*part, format!("record: the part from {from} to {to}"));
     assert!(cause.is_some());
     assert!(error.to_string().contains("another number of segments"));
 }

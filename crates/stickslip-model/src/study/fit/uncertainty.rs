@@ -55,9 +55,11 @@ impl Uncertainty {
 
     pub(super) fn of(problem: &Problem<'_>, best: &LeastSquares<Sequence>) -> Self {
         let count = best.x.len();
+        // The starts of parts come last, and are no results.
+        let named = problem.unknowns.named();
         let mut own = Uncertainty {
-            std_errors: vec![None; count],
-            covariance: Matrix::repeat(count, count, f64::NAN),
+            std_errors: vec![None; named],
+            covariance: Matrix::repeat(named, named, f64::NAN),
             quantile: quantile(None),
             undetermined: Vec::new(),
             none: None,
@@ -143,7 +145,7 @@ impl Uncertainty {
             own.undetermined.push(named);
         }
         // Parts follow a record that no orbit does; each direction would take a run of all.
-        if !problem.parts.is_some() {
+        if problem.parts.is_none() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
         if best.end == LeastSquaresEnd::Change {
@@ -152,8 +154,9 @@ impl Uncertainty {
         if own.none.is_some() {
             return own;
         }
-        for (i, &k) in inside.iter().enumerate() {
-            for (j, &l) in inside.iter().enumerate() {
+        let reported = || inside.iter().enumerate().filter(|(_, k)| **k < named);
+        for (i, &k) in reported() {
+            for (j, &l) in reported() {
                 if !is_open[i] && !is_open[j] {
                     let products = directions.iter().map(|of| of[i] * of[j]);
                     own.covariance[(k, l)] = products.sum();

@@ -96,6 +96,11 @@ impl Unknowns {
         self.0.len()
     }
 
+    /// Number of those that are results: all but the starts of parts, which come last.
+    pub(super) fn named(&self) -> usize {
+        self.0.iter().filter(|one| !one.name.is_empty()).count()
+    }
+
     pub(super) fn start(&self) -> Vector {
         Vector::from_iterator(self.len(), self.0.iter().map(|one| one.start))
     }

@@ -17,10 +17,10 @@ const MERIT_PART: f64 = 0.3;
 /// last residuals are zero: from a point that need not fulfil them.
 ///
 /// Each step is that of Gauss and Newton with linear constraints, which are eliminated (Bock,
-/// *Randwertproblemmethoden zur Parameteridentifizierung*, Bonner Mathematische Schriften 183, 1987):
-/// the shortest step to them, and the best one in their null space. Both share a trust region
-/// (Omojokun's method; Nocedal and Wright, *Numerical Optimization*, 2006, section 18.5). A step is
-/// judged by the cost and a multiple of the size of the constraints, which grows as needed.
+/// *Modelling of Chemical Reaction Systems*, 1981, 102): the shortest step to them, and the best
+/// one in their null space. Both share a trust region (Omojokun's method; Nocedal and Wright,
+/// *Numerical Optimization*, 2006, section 18.5). A step is judged by the cost and a multiple of
+/// the size of the constraints, which grows as needed.
 ///
 /// A variable on its bound is fixed while the step leads out. An evaluation that fails shortens the
 /// step. [`LeastSquares::cost`] is that of the residuals without the constraints.
@@ -155,7 +155,13 @@ impl<F> Search<'_, F> {
             0.0 => 1.0,
             size => size,
         };
-        let (mut steps, mut crossings, mut penalty) = (0, 0, 0.0_f64);
+        let (mut steps, mut crossings) = (0, 0);
+        // From the start the constraints weigh as much as the data, and as their own squares.
+        let gap = here.gap();
+        let mut penalty = match gap > 0.0 {
+            true => gap + here.cost_of_data() / gap,
+            false => 0.0,
+        };
         let end = 'search: loop {
             if !here.is_usable() {
                 break LeastSquaresEnd::NotFinite;
