@@ -257,9 +257,7 @@ impl Recording {
     ) -> (Self, Result<Summary, Error>) {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
         let begin = Moment { t, x };
-        let at = begin.clone();
-        let mut recording =
-            Recording::new(system, &begin, t_end, options, wanted, &quantities);
+        let mut recording = Recording::new(system, &begin, t_end, options, wanted, &quantities);
         let mut friction = FrictionWatch::new(system);
         let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
             recording.watch((&mut friction, &mut quantities), progress, orbit)
@@ -292,7 +290,9 @@ impl Recording {
     ) -> Vec<(Self, Result<Summary, Error>)> {
         let new = |(at, of)| Recording::new(system, at, t_end, options, wanted, of);
         let mut recordings: Vec<Recording> = starts.iter().zip(&quantities).map(new).collect();
-        let watches = quantities.into_iter().map(|of| (FrictionWatch::new(system), of));
+        let watches = quantities
+            .into_iter()
+            .map(|of| (FrictionWatch::new(system), of));
         let mut watches: Vec<(FrictionWatch<'_>, Quantities<'_>)> = watches.collect();
         let watcher = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
             let (friction, quantities) = &mut watches[number];
