@@ -152,7 +152,7 @@ pub(crate) fn equations(
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
         // A rate that no state changes has no zero.
-        if size == 0.0 && *right != 0.0 && normals.is_empty() {
+        if size == 0.0 && *right != 0.0 && !mode.any_sticks() && normals.is_empty() {
             return None;
         }
         let per_size = if size > rounding { 1.0 / size } else { 0.0 };

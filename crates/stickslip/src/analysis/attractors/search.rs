@@ -398,8 +398,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The phases and transitions of a period without impacts that accumulate before a landing. They
-    /// are part of the phase that this ends.
+    /// The phases and transitions of a period without impacts that accumulate before a landing.
+    /// They are part of the phase that this ends.
     fn without_chatter(
         &self,
         mut phases: Vec<Phase>,

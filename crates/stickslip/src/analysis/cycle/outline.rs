@@ -87,8 +87,8 @@ pub(crate) enum SegmentKind {
     /// The flight before impacts that accumulate, to its middle: to this share of the time until
     /// the next segment ends.
     Flight { share: f64 },
-    /// The rest of that flight, the impacts, the landing, and the phase at rest. The impacts have no
-    /// segments of their own: their number is that of the rounding. They occur as in a run.
+    /// The rest of that flight, the impacts, the landing, and the phase at rest. The impacts have
+    /// no segments of their own: their number is that of the rounding. They occur as in a run.
     Chatter {
         /// The jump that accumulates, counted after the contacts.
         impact: usize,
