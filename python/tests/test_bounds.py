@@ -17,7 +17,7 @@ SYSTEM, X, START = system(), ss.state("x"), [1, 0]
 ORBIT = ss.PeriodicOrbit(
     t=0.0, y=np.array([1.0, 0.0]), period=6.0, residual=0.0, family=0, monodromy=np.eye(2),
     multipliers=np.ones(2, dtype=complex), stability="stable", phases="+", in_stick=0.0,
-    system=SYSTEM,
+    y_min=np.array([-1.0, -1.0]), y_max=np.array([1.0, 1.0]), system=SYSTEM,
 )  # fmt: skip
 NUMBERS = [
     ("a number in a formula", lambda bad: X * bad),

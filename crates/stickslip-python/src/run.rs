@@ -665,12 +665,12 @@ fn add_transitions<'s, I: Iterator<Item = &'s (Transition, Vector)>>(
     table.rows("y_before", all().map(|(at, _)| &at.x), states)?;
     table.rows("y", all().map(|(_, after)| after), states)?;
     table.numbers("residual", all().map(|(at, _)| at.residual))?;
-    let stops = system.file.stops.len();
-    if stops > 0 {
-        let impulses =
-            |(at, _): &(Transition, Vector)| system.impulses(at.contact, at.t, at.x.as_slice());
-        let impulses = all().flat_map(impulses).map(|impulse| impulse + 0.0);
-        table.array("impulse", impulses.collect(), [stops])?;
+    for (number, stop) in system.file.stops.iter().enumerate() {
+        let impulse = |(at, _): &(Transition, Vector)| {
+            let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
+            impulses.get(number).map_or(0.0, |impulse| impulse + 0.0)
+        };
+        table.numbers(&format!("impulse.{}", stop.name), all().map(impulse))?;
     }
     Ok(())
 }
