@@ -158,7 +158,8 @@ def pair(values: Any, name: str, help: str) -> tuple[float, float]:
         raise ValueError(f"{name} has {len(both)} values: it must be two, from and to")
     low, high = (float(one) for one in both)
     if not low < high:
-        raise out_of_bounds(f"{name}[1]", high, f"larger than {name}[0] = {readable(low)}", f"; {help}")
+        bound = f"larger than {name}[0] = {readable(low)}"
+        raise out_of_bounds(f"{name}[1]", high, bound, f"; {help}")
     return low, high
 
 

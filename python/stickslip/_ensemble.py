@@ -107,7 +107,30 @@ class Ensemble(Result):
             "t.end": self.t_end,
             **ends,
             "status": self.status,
+            **self._reduced_columns(),
         }
+
+    def _reduced_columns(self) -> dict[str, Any]:
+        """A column for each number of `reduced`."""
+        found = self._reduced_of_all()
+        if found is None or found.ndim == 1:
+            return {} if found is None else {"reduced": found}
+        return {
+            ".".join(["reduced", *map(str, place)]): found[(slice(None), *place)]
+            for place in np.ndindex(found.shape[1:])
+        }
+
+    def _reduced_of_all(self) -> NDArray[Any] | None:
+        """`reduced` with a row for each orbit. An interrupted ensemble has none for the last."""
+        if self.reduced is None:
+            return None
+        missing = len(self.status) - len(self.reduced)
+        if missing == 0:
+            return self.reduced
+        if self.reduced.dtype == object:
+            return np.append(self.reduced, np.full(missing, None, dtype=object))
+        shape = (missing, *self.reduced.shape[1:])
+        return np.concatenate([self.reduced, np.full(shape, np.nan)]) if len(self.reduced) else None
 
     def to_pandas(self) -> Any:
         """The states at all times as a `pandas.DataFrame`, with orbit and time as its index.
@@ -115,7 +138,8 @@ class Ensemble(Result):
         Returns
         -------
         pandas.DataFrame
-            With `reduce`, a row for each orbit: its start and its end.
+            With `reduce`, a row for each orbit: its start, its end and what was kept of it, as
+            ``reduced``, or ``reduced.0``, ``reduced.1`` for an array.
         """
         if self.y is None:
             return super().to_pandas()
@@ -135,6 +159,10 @@ class Ensemble(Result):
         }
         if self.y is not None:
             variables["y"] = (("state", "orbit", "t"), self.y)
+        reduced = self._reduced_of_all()
+        if reduced is not None:
+            axes = [f"reduced_{k}" for k in range(reduced.ndim - 1)]
+            variables["reduced"] = (("orbit", *axes), reduced)
         coordinates: dict[str, Any] = {
             "state": list(self.system.states),
             "orbit": np.arange(len(self.status)),

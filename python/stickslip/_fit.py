@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,15 +13,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core
-from ._arguments import Floats, Method, OptionsButMethod, array, checked, settings
+from ._arguments import (
+    Floats,
+    Method,
+    OptionsButMethod,
+    array,
+    by_name,
+    checked,
+    complete,
+    settings,
+)
 from ._errors import SolverWarning
-from ._plot import COLOURS, new_axes
+from ._plot import COLOURS, new_axes, several_axes
 from ._results import Result, call_engine, make_result
 from ._symbols import Expression, Parameter, State, expression, number, whole
 from ._system import System
 
-#: Names of a record that are no columns.
-TIME = "t"
+#: Names of the column of times.
+TIMES = ("t", "time")
 
 
 @dataclass(frozen=True)
@@ -29,19 +39,20 @@ class Record:
 
     Attributes
     ----------
-    data : mapping
-        Times under "t", and the columns, as a dict or a DataFrame. NaN is a missing value.
+    data : mapping, DataFrame or Series
+        Times under "t" or "time", and the columns. With pandas the times may be an index of that
+        name, and a Series is a single column. NaN is a missing value.
     parameters : dict, optional
         Values of parameters in this record.
-    y0 : dict, optional
-        Start values of states in this record.
+    y0 : dict or array_like, optional
+        Start values of states in this record: by state, or of all in their order.
     t0 : float, optional
         Time of the start; default as in the system, or 0.
     """
 
     data: Any
     parameters: Mapping[Any, float] = field(default_factory=dict)
-    y0: Mapping[Any, float] = field(default_factory=dict)
+    y0: Mapping[Any, float] | ArrayLike = field(default_factory=dict)
     t0: float | None = None
 
 
@@ -54,12 +65,90 @@ def _name(one: Any) -> str:
     )
 
 
-def _named(values: Mapping[Any, Any] | None) -> dict[str, Any]:
-    return {_name(key): value for key, value in (values or {}).items()}
+def _named(values: Any, what: str, example: str) -> dict[str, Any]:
+    """Values by name. Errors name the argument by `what`, and show an example."""
+    values = by_name(values, "index", what)
+    if values is None:
+        return {}
+    if not isinstance(values, Mapping):
+        raise TypeError(f"{what} must be a dict, as {{{example}}}, not {values!r}")
+    return {_name(key): value for key, value in values.items()}
 
 
-def _pairs(values: Mapping[Any, Any], what: str) -> list[tuple[str, float]]:
-    return [(name, number(value, f"{what}[{name}]")) for name, value in _named(values).items()]
+def _pairs(values: Any, what: str, example: str) -> list[tuple[str, float]]:
+    named = _named(values, what, example)
+    return [(name, number(value, f"{what}[{name}]")) for name, value in named.items()]
+
+
+def _starts(system: System, y0: Any) -> list[tuple[str, float]]:
+    """Start values of a record by state; a sequence has those of all states."""
+    example = f'"{system.states[0]}": 0.1'
+    given = by_name(y0, "index", "y0")
+    if isinstance(given, (list, tuple, np.ndarray)) or hasattr(given, "to_numpy"):
+        values = array(given, "y0")
+        complete(system, values, "y0")
+        return list(zip(system.states, values.tolist()))
+    return _pairs(given, "y0", example)
+
+
+def _bounds(given: Any, name: str) -> tuple[float, float]:
+    try:
+        low, high = (float(end) for end in given)
+    except (TypeError, ValueError):
+        raise TypeError(f"bounds[{name}] must be (lowest, highest), not {given!r}") from None
+    return low, high
+
+
+def _columns_of(data: Any) -> list[Any] | None:
+    """The names of the columns of a dict, a frame or a structured array; None of other data."""
+    if isinstance(data, Mapping):
+        return list(data)
+    if hasattr(data, "to_numpy") and hasattr(data, "columns"):
+        return list(data.columns)
+    names = getattr(getattr(data, "dtype", None), "names", None)
+    return None if names is None else list(names)
+
+
+def _read(data: Any, columns: Sequence[str], which: int) -> list[Floats]:
+    """Times, and the columns, of a record."""
+    what = f"record {which}"
+    if isinstance(data, (str, os.PathLike)):
+        raise TypeError(
+            f"{what} is the text {str(data)!r}, not data: read the file first, as "
+            f"pandas.read_csv({str(data)!r})"
+        )
+    index = getattr(data, "index", None) if hasattr(data, "to_numpy") else None
+    if index is not None and hasattr(data, "to_frame"):
+        # A Series: its index are the times.
+        if len(columns) > 1 or data.name not in (None, columns[0]):
+            raise ValueError(
+                f"{what} is a Series called {data.name!r}, and the columns are "
+                f"{', '.join(columns)}: give a DataFrame with these columns"
+            )
+        data = data.to_frame(columns[0])
+    known = _columns_of(data)
+    if known is None:
+        raise TypeError(
+            f'{what} must be a dict, as {{"t": times, "{columns[0]}": values}}, or a DataFrame, '
+            f"not {type(data).__name__}"
+        )
+    time = next((one for one in TIMES if one in known), None)
+    if time is None and index is not None and index.name in TIMES:
+        times = index.to_numpy()
+    elif time is not None:
+        times = data[time]
+    else:
+        help = ""
+        if index is not None:
+            help = '; where the times are the index, give it that name: data.rename_axis("t")'
+        raise ValueError(
+            f"{what} has no column 't' or 'time'; it has {', '.join(map(str, known))}{help}"
+        )
+    for name in columns:
+        if name not in known:
+            raise ValueError(f"{what} has no column {name!r}; it has {', '.join(map(str, known))}")
+    found = [array(_column(times, "t", None), "t")]
+    return found + [_column(data[name], name, len(found[0])) for name in columns]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -98,8 +187,8 @@ class FitResult(Result):
     cost : float
         Half the sum of squares of the residuals over their deviations.
     mismatch : float or None
-        With `segments`, where no single orbit follows the record: the largest mismatch of two parts,
-        over the spread of the state.
+        With `segments`, where no single orbit follows the record: the largest mismatch of two
+        parts, over the spread of the state.
     freedom : int
         Number of values minus number of unknowns.
     success : bool
@@ -150,7 +239,11 @@ class FitResult(Result):
         return dict(zip(self.names, self.x.tolist()))
 
     def __getitem__(self, name: str | Parameter | State) -> float:
-        return self.values[_name(name)]
+        wanted = _name(name)
+        if wanted not in self.names:
+            known = ", ".join(self.names)
+            raise KeyError(f"there is no fitted value {wanted!r}: they are {known}")
+        return self.values[wanted]
 
     def keys(self) -> list[str]:
         """The names of what was fitted."""
@@ -210,8 +303,15 @@ class FitResult(Result):
         -------
         ndarray of Axes
         """
+        if hasattr(record, "plot") or isinstance(record, (list, tuple, np.ndarray)):
+            raise TypeError("record is a number, and the axes are given by name: plot(axes=axes)")
+        if not 0 <= whole(record, "record", least=-1) < len(self.data):
+            raise ValueError(f"record = {record}: there are {len(self.data)}, from 0")
         columns = list(self.data[record])
-        if axes is None:
+        if axes is not None:
+            what = f"data and residuals of each of {', '.join(columns)}"
+            axes = several_axes(axes, 2 * len(columns), what)
+        else:
             first = new_axes()
             figure = first.figure
             first.remove()
@@ -262,9 +362,10 @@ def fit(
     ----------
     system : System
         The system; its values are where the search begins.
-    data : mapping, Record, or a sequence of them
-        Times under "t" and a column for each observable: a dict, or a DataFrame. NaN is a missing
-        value. With several records parameters are shared, and starts are of each.
+    data : mapping, DataFrame, Series, Record, or a list of them
+        Times under "t" or "time" and a column for each observable. With pandas the times may be an
+        index of that name, and a Series is a single column. NaN is a missing value. With several
+        records parameters are shared, and starts are of each.
     fit : sequence of Parameter, State or str
         Parameters, states (for their start values), and "t0" for the time of the start.
     observe : dict
@@ -342,7 +443,9 @@ def fit(
         (name, one.text, None if sigmas.get(name) is None else number(sigmas[name], "sigma"))
         for name, one in formulas.items()
     ]
-    ends, starts = _named(bounds), _named(start)
+    first = names[0] if names else "mu"
+    ends = _named(bounds, "bounds", f'"{first}": (0, 1)')
+    starts = _named(start, "start", f'"{first}": 0.5')
     own = [_name(one) for one in ([each] if isinstance(each, (str, Parameter)) else each)]
     for what, known in (("bounds", ends), ("start", starts), ("each", own)):
         for name in known:
@@ -350,29 +453,22 @@ def fit(
                 raise ValueError(f"{what} has {name!r}, which is not among fit")
     unknowns = []
     for name in names:
-        low, high = ends.get(name, (-math.inf, math.inf))
+        low, high = _bounds(ends.get(name, (-math.inf, math.inf)), name)
         begin = number(starts[name], f"start[{name}]") if name in starts else None
-        unknowns.append((name, begin, float(low), float(high), name in own))
+        unknowns.append((name, begin, low, high, name in own))
     several = data if isinstance(data, (list, tuple)) else [data]
     records, measured, times = [], [], []
     for number_of, one in enumerate(several):
         record = one if isinstance(one, Record) else Record(one)
-        for name in (TIME, *formulas):
-            if name not in record.data:
-                raise ValueError(
-                    f"record {number_of + 1} has no column {name!r}; it has "
-                    f"{', '.join(map(str, record.data))}"
-                )
-        times.append(_column(record.data[TIME], TIME, None))
-        measured.append(
-            {name: _column(record.data[name], name, len(times[-1])) for name in formulas}
-        )
+        rows, *values = _read(record.data, list(formulas), number_of + 1)
+        times.append(rows)
+        measured.append(dict(zip(formulas, values)))
         records.append(
             (
                 times[-1].tolist(),
                 [values.tolist() for values in measured[-1].values()],
-                _pairs(record.parameters, "parameters"),
-                _pairs(record.y0, "y0"),
+                _pairs(record.parameters, "parameters", '"mu": 0.5'),
+                _starts(system, record.y0),
                 None if record.t0 is None else number(record.t0, "t0"),
             )
         )
@@ -406,4 +502,4 @@ def _column(values: ArrayLike, name: str, count: int | None) -> Floats:
     if found.ndim != 1 or (count is not None and len(found) != count):
         of = "" if count is None else f" of {count} values, one for each time"
         raise ValueError(f"the column {name!r} must be one row{of}; its shape is {found.shape}")
-    return array(found, name) if name == TIME else found
+    return found

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 # Precedence of operators, as formulas have it: `-x^2` is `-(x^2)`.
-_SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(5)
+_OR, _AND, _NOT, _COMPARED, _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(9)
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_TOKEN = re.compile(rf"\s*(?:({_NUMBER})|([^\W\d][\w.]*)|(.))")
+_TOKEN = re.compile(rf"\s*(?:({_NUMBER})|([^\W\d][\w.]*)|([<>]=|.))")
+_SIGNS = {"<": "<", "<=": r"\le", ">": ">", ">=": r"\ge"}
 _GREEK = {
     *"alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho".split(),
     *"sigma tau upsilon phi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi".split(),
@@ -38,6 +39,10 @@ def _words(text: str) -> str:
     return plain if text.isdigit() or len(text) == 1 else rf"\mathrm{{{plain}}}"
 
 
+#: Reads a part of a formula: its LaTeX and its precedence.
+_Reader = Callable[[], tuple[str, int]]
+
+
 class _Parser:
     """Reads a formula and writes it again, each part with its precedence."""
 
@@ -55,7 +60,35 @@ class _Parser:
         number, name, sign = self._tokens[self._at - 1]
         return number, name, sign
 
-    def sum(self) -> tuple[str, int]:
+    def whole(self) -> tuple[str, int]:
+        """A formula, or a condition."""
+        return self._joined("or", r"\lor", _OR, self._conjunction)
+
+    def _conjunction(self) -> tuple[str, int]:
+        return self._joined("and", r"\land", _AND, self._negation)
+
+    def _joined(self, word: str, sign: str, joint: int, part: _Reader) -> tuple[str, int]:
+        left, binds = part()
+        while self._peek() == word:
+            self._next()
+            right, inner = part()
+            a, b = _within(left, binds, joint), _within(right, inner, joint + 1)
+            left, binds = rf"{a} {sign} {b}", joint
+        return left, binds
+
+    def _negation(self) -> tuple[str, int]:
+        if self._peek() == "not":
+            self._next()
+            inner, binds = self._negation()
+            return rf"\lnot {_within(inner, binds, _ATOM)}", _NOT
+        left, binds = self._sum()
+        if self._peek() in _SIGNS:
+            sign = _SIGNS[self._peek()]
+            self._next()
+            return f"{left} {sign} {self._sum()[0]}", _COMPARED
+        return left, binds
+
+    def _sum(self) -> tuple[str, int]:
         left, binds = self._product()
         while self._peek() in ("+", "-"):
             sign = self._next()[2]
@@ -71,8 +104,7 @@ class _Parser:
             if sign == "/":
                 left, binds = rf"\frac{{{left}}}{{{right}}}", _ATOM
             else:
-                a, b = _within(left, binds, _PRODUCT), _within(right, inner, _POWER)
-                left, binds = rf"{a} \cdot {b}" if b[:1].isdigit() else rf"{a}\,{b}", _PRODUCT
+                left, binds = _product(left, binds, right, inner), _PRODUCT
         return left, binds
 
     def _signed(self) -> tuple[str, int]:
@@ -98,16 +130,17 @@ class _Parser:
             return self._named(name)
         if sign != "(":
             return str(sign), _ATOM
-        inner, binds = self.sum()
+        inner, binds = self.whole()
         self._next()
         return inner, binds
 
     def _named(self, name: str) -> tuple[str, int]:
         if self._peek() != "(":
-            return symbol(name), _ATOM
+            stop = name.removesuffix(".force")
+            return symbol(name) if stop == name else _reaction(stop), _ATOM
         of = []
         while self._next()[2] in ("(", ","):
-            of.append(self.sum()[0])
+            of.append(self.whole()[0])
         return _call(name, of), _ATOM
 
 
@@ -118,6 +151,9 @@ def _call(name: str, of: list[str]) -> str:
         return rf"\left|{of[0]}\right|"
     if name == "friction":
         return rf"F_{{{of[0]}}}"
+    if name == "if":
+        rows = rf"{of[1]} & \text{{if }} {of[0]} \\ {of[2]} & \text{{otherwise}}"
+        return rf"\begin{{cases}} {rows} \end{{cases}}"
     if name == "by_side":
         below, above = (rf"{of[k]} & {of[0]} {sign} 0" for k, sign in ((1, "<"), (2, ">")))
         return rf"\begin{{cases}} {below} \\ {above} \end{{cases}}"
@@ -131,33 +167,84 @@ def _number(text: str) -> str:
     return rf"{digits} \cdot 10^{{{int(power)}}}" if power else plain
 
 
+def _product(left: str, binds: int, right: str, inner: int) -> str:
+    """A product. Before a bracket there is a sign, so that it is no call of a function."""
+    a, b = _within(left, binds, _PRODUCT), _within(right, inner, _POWER)
+    is_apart = b[:1].isdigit() or b.startswith(r"\left(")
+    return rf"{a} \cdot {b}" if is_apart else rf"{a}\,{b}"
+
+
 def _within(text: str, binds: int, least: int) -> str:
     return text if binds >= least else rf"\left({text}\right)"
 
 
 def latex(text: str) -> str:
     """A formula in LaTeX."""
-    return _Parser(text).sum()[0]
+    return _Parser(text).whole()[0]
 
 
 def _formula(value: Any) -> str:
     return latex(str(value))
 
 
+def _reaction(stop: str) -> str:
+    return rf"\lambda_{{{symbol(stop)}}}"
+
+
+def _times(left: str, value: Any) -> str:
+    """The product of a symbol and a formula."""
+    return _product(left, _ATOM, *_Parser(str(value)).whole())
+
+
+def _added(left: str, factor: str) -> str:
+    """A term of a sum: the product of a symbol and a formula, whose sign comes first."""
+    text, binds = _Parser(factor).whole()
+    sign = "-" if binds == _SIGN else "+"
+    if binds == _SIGN:
+        text, binds = text[1:], _ATOM
+    return f" {sign} {left if text == '1' else _product(left, _ATOM, text, binds)}"
+
+
 def system_latex(file: Mapping[str, Any]) -> str:
     """The equations of a system, from the tables of its file."""
-    rates = file["field"].items()
-    lines = [rf"\dot{{{symbol(state)}}} &= {_formula(rate)}" for state, rate in rates]
+    stops = file.get("stops", {})
+    lines = []
+    for state, rate in file["field"].items():
+        text = _formula(rate)
+        for name, stop in stops.items():
+            if state in stop.get("acts", {}):
+                text += _added(_reaction(name), str(stop["acts"][state]))
+        lines.append(rf"\dot{{{symbol(state)}}} &= {text}")
     for name, value in file.get("definitions", {}).items():
         lines.append(rf"{symbol(name)} &= {_formula(value)}")
     for name, contact in file.get("contacts", {}).items():
         side = symbol(name)
         lines.append(rf"{side} &= \operatorname{{sgn}}\left({_formula(contact['boundary'])}\right)")
         if "friction" in contact:
-            lines.append(rf"F_{{{side}}} &= {side}\left({_formula(contact['friction'])}\right)")
-    for name, jump in file.get("jumps", {}).items():
-        values = jump.get("set", {}).items()
-        changes = [rf"{symbol(state)} \to {_formula(value)}" for state, value in values]
-        what = ",\\ ".join(changes) or r"\text{end}"
-        lines.append(rf"{_formula(jump['when'])} = 0 &: {what}")
+            lines.append(rf"F_{{{side}}} &= {_times(side, contact['friction'])}")
+    for name, stop in stops.items():
+        gap = rf"g_{{{symbol(name)}}}"
+        lines.append(rf"{gap} &= {_formula(stop['gap'])}")
+        lines.append(rf"0 &\le {gap} \perp {_reaction(name)} \ge 0")
+        speed = rf"\dot{{{gap}}}"
+        factor = _Parser(str(stop.get("restitution", 0))).whole()
+        behind = "0" if factor[0] == "0" else f"-{_product(*factor, speed, _ATOM)}"
+        lines.append(rf"{gap} = 0 &: {speed} \to {behind}")
+    lines += [_jump(jump) for jump in file.get("jumps", {}).values()]
     return "$$\\begin{aligned} " + r" \\ ".join(lines) + " \\end{aligned}$$"
+
+
+def _jump(jump: Mapping[str, Any]) -> str:
+    """A line for a jump: where it happens, and what it does."""
+    when = f"{_formula(jump['when'])} = 0"
+    if jump.get("direction", "both") != "both":
+        when += rf"\ \text{{({jump['direction']})}}"
+    if "if" in jump:
+        when += rf"\ \text{{if}}\ {_formula(jump['if'])}"
+    values = jump.get("set", {}).items()
+    changes = [rf"{symbol(state)} \to {_formula(value)}" for state, value in values]
+    if jump.get("stop"):
+        changes.append(r"\text{end}")
+    if "count" in jump:
+        changes.append(rf"\text{{end after {jump['count']}}}")
+    return rf"{when} &: " + r",\ ".join(changes)

@@ -24,12 +24,36 @@ LONGEST_NAME = 34
 def new_axes(axes: Any = None) -> Any:
     """The axes given, or those of a new figure, whose layout leaves room for a legend below."""
     if axes is not None:
-        return axes
+        return _single(axes)
     try:
         import matplotlib.pyplot as plt  # type: ignore[import-not-found,unused-ignore]
     except ImportError as error:
         raise ImportError("figures need matplotlib: pip install 'stickslip[plot]'") from error
     return plt.subplots(layout="constrained")[1]
+
+
+def _single(axes: Any) -> Any:
+    """The axes, if they are one Axes of matplotlib."""
+    if hasattr(axes, "plot") and hasattr(axes, "axvspan"):
+        return axes
+    many = list(np.ravel(axes)) if isinstance(axes, (np.ndarray, list, tuple)) else []
+    if len(many) == 1:
+        return _single(many[0])
+    if many and all(hasattr(one, "axvspan") for one in many):
+        first = "axes[0, 0]" if np.ndim(axes) == 2 else "axes[0]"
+        raise TypeError(f"axes are {len(many)}, and this figure has one: give one, as {first}")
+    raise TypeError(f"axes must be an Axes of matplotlib, as plt.subplots()[1], not {axes!r}")
+
+
+def several_axes(axes: Any, count: int, what: str) -> Any:
+    """This number of axes, in a row; `what` says what they show."""
+    many = list(np.ravel(axes)) if isinstance(axes, (np.ndarray, list, tuple)) else [axes]
+    if len(many) != count:
+        raise ValueError(
+            f"axes are {len(many)}, and this figure has {count}, {what}: give "
+            f"plt.subplots({count})[1]"
+        )
+    return np.array([_single(one) for one in many], dtype=object)
 
 
 def colours_of(names: Sequence[str]) -> list[Any]:

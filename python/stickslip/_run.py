@@ -279,15 +279,23 @@ class Solution(Result):
         states[:, ::parts] = self.y[:, :-1]
         return np.append(inside, self.t[-1]), np.hstack([states, self.y[:, -1:]])
 
+    def _stops(self) -> list[str]:
+        """The names of the stops, in the order of `forces`."""
+        names = self.transitions.dtype.names or ()
+        return [one.removeprefix("impulse.") for one in names if one.startswith("impulse.")]
+
     def _columns(self) -> dict[str, Any]:
         columns = {"t": self.t, **states_of(self.system, self.y.T)}
+        if self.forces is not None:
+            columns |= {f"{name}.force": row for name, row in zip(self._stops(), self.forces)}
         for k, name in enumerate(self._by):
             for state, values in zip(self.system.states, () if self.dy is None else self.dy):
                 columns[f"d{state}/d{name}"] = values[:, k]
         return columns
 
     def to_pandas(self) -> Any:
-        """The orbit as a `pandas.DataFrame`: a row for each time, a column for each state.
+        """The orbit as a `pandas.DataFrame`: a row for each time, a column for each state, and for
+        the force of each stop.
 
         Returns
         -------
@@ -299,6 +307,9 @@ class Solution(Result):
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         variables: dict[str, Any] = {"y": (("state", "t"), self.y)}
         coordinates: dict[str, Any] = {"t": self.t, "state": list(self.system.states)}
+        if self.forces is not None:
+            variables["forces"] = (("stop", "t"), self.forces)
+            coordinates["stop"] = self._stops()
         if self.dy is not None:
             variables["dy"] = (("state", "t", "by"), self.dy)
             coordinates["by"] = list(self._by)
@@ -428,7 +439,8 @@ def solve_ivp(
         Whether to keep the solution over all steps, for which memory grows with their number.
     events : Event, Expression or a sequence of them, optional
         Further events to locate in the same run, whose bits they do not change. The first terminal
-        one along the run ends it, and directions are along the run, too. Symbols in them have the values that they have in the system.
+        one along the run ends it, and directions are along the run, too. Symbols in them have the
+        values that they have in the system.
     derivatives : sequence of Parameter, State or str, optional
         Parameters, states (for their start values), and "t0" for the start time, by which the orbit
         is differentiated, through all its events; see `Solution.dy`. The start state is held fixed,

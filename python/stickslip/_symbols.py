@@ -6,6 +6,7 @@ import numbers
 import operator
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -31,6 +32,10 @@ _COMPARED = (
     "np.minimum and np.maximum of single symbols. Events and jumps are where a formula is zero, "
     "with a direction. A comparison is the condition of a ss.Jump, or chooses what it sets: "
     "np.where(a < b, then, otherwise); several are joined by &, | and ~"
+)
+_OF_SYMPY = (
+    "a formula cannot have both. ss.from_sympy makes formulas from expressions of SymPy, and a "
+    "parameter is made by ss.parameter"
 )
 
 
@@ -161,6 +166,10 @@ class Expression:
         )
 
     __int__ = __index__ = __complex__ = __float__
+
+    def _sympy_(self) -> Any:
+        # SymPy calls it to convert an operand.
+        raise TypeError(f"`{self.text}` is a formula, not an expression of SymPy: {_OF_SYMPY}")
 
     if not TYPE_CHECKING:
 
@@ -342,6 +351,8 @@ def expression(value: Any, name: str = "a number in a formula") -> Expression:
     if isinstance(value, numbers.Real):
         value = number(value, name)
         return Expression(written(value), _ATOM if np.copysign(1.0, value) > 0 else _SIGN)
+    if hasattr(value, "free_symbols"):
+        raise TypeError(f"{value!r} is an expression of SymPy, not a formula: {_OF_SYMPY}")
     raise TypeError(f"{value!r} cannot stand in a formula: symbols and numbers can")
 
 
@@ -930,6 +941,11 @@ class Curve:
     >>> floor = ss.Contact("floor", boundary=v, friction=lambda side: mu(side * v))
     >>> floor.law
     mu(floor * v)
+
+    Raises
+    ------
+    ValueError
+        For fewer than two points, an `x` that does not rise, or an unknown interpolation.
     """
 
     __slots__ = ("name", "x", "y", "between", "beyond")
@@ -952,6 +968,26 @@ class Curve:
                 f"the curve {name} has {len(self.x)} values of x and {len(self.y)} of y: each "
                 "point has both"
             )
+        if len(self.x) < 2:
+            raise ValueError(
+                f"the curve {name} has {len(self.x)} points: it needs two at least; what is "
+                "constant is a parameter"
+            )
+        for k, (one, after) in enumerate(pairwise(self.x), 1):
+            if not one < after:
+                raise ValueError(
+                    f"the points of the curve {name} are not in order: {readable(one)} comes "
+                    f"before {readable(after)}, as number {k} and {k + 1} of {len(self.x)}; each x "
+                    "must be larger than the one before it"
+                )
+        for what, value, known in (
+            ("between", between, ("linear", "monotone")),
+            ("beyond", beyond, ("hold", "extend", "error")),
+        ):
+            if value not in known:
+                raise ValueError(
+                    f"{what} = {value!r} of the curve {name}: it must be one of {', '.join(known)}"
+                )
         self.between, self.beyond = between, beyond
 
     def __reduce__(self) -> Any:

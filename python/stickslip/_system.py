@@ -362,7 +362,8 @@ def _text(
         given += [jump.when, *jump.set.values()]
         given += [] if jump.condition is None else [jump.condition]
         given += [state for state in jump.set if isinstance(state, DiscreteState)]
-    discrete = {one for one in _parts([*given, *contacts, *stops]) if isinstance(one, DiscreteState)}
+    used = _parts([*given, *contacts, *stops])
+    discrete = {one for one in used if isinstance(one, DiscreteState)}
     starts = _starts([*rates, *sorted(discrete, key=lambda one: one.name)], len(rates), start)
     parts = _parts([*given, *starts.values(), *contacts, *stops])
     unknown = [one for one in parts if isinstance(one, State) and one not in rates]

@@ -1,7 +1,9 @@
 """Fits: truth from records of exact runs, SciPy's least squares, refusals."""
 
 import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 import stickslip as ss
 from scipy.optimize import least_squares
@@ -114,3 +116,66 @@ def test_what_cannot_be_fitted_is_refused():
     a, = ss.parameters(a=1.0)  # fmt: skip
     with pytest.raises(ss.StickslipError, match="start elsewhere"):
         ss.fit(escaping, data, [a], {"x": a * x})
+
+
+def test_records_of_pandas_are_records():
+    data = record()
+    wanted = ss.fit(BLOCK, data, [mu], {"x": x}).x
+    frame = pd.DataFrame(data)
+    series = frame.set_index("t")["x"]
+    for same in (
+        frame,
+        frame.set_index("t"),
+        frame.rename(columns={"t": "time"}),
+        frame.rename(columns={"t": "time"}).set_index("time"),
+        frame.to_records(),
+        series,
+        series.rename(None),
+    ):
+        assert np.array_equal(ss.fit(BLOCK, same, [mu], {"x": x}).x, wanted)
+    with pytest.raises(ValueError, match=r"data.rename_axis\(\"t\"\)"):
+        ss.fit(BLOCK, frame.set_index("t").rename_axis(None), [mu], {"x": x})
+    with pytest.raises(ValueError, match="is a Series called 'x'"):
+        ss.fit(BLOCK, series, [mu], {"v": v})
+
+
+def test_the_start_of_a_record_has_names_or_the_order_of_the_states():
+    data = record()
+    wanted = ss.fit(BLOCK, data, [mu], {"x": x}).x
+    for y0 in ([0.2, 0.9], np.array([0.2, 0.9]), {x: 0.2}, pd.Series([0.2, 0.9], ["x", "v"])):
+        found = ss.fit(BLOCK, ss.Record(data, y0=y0), [mu], {"x": x})
+        assert np.array_equal(found.x, wanted)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"bounds": [(0, 1)]}, r'bounds must be a dict, as \{"mu": \(0, 1\)\}'),
+        ({"bounds": {mu: 1}}, r"bounds\[mu\] must be \(lowest, highest\)"),
+        ({"start": [0.3]}, r'start must be a dict, as \{"mu": 0.5\}'),
+        ({"data": "data.csv"}, r"pandas.read_csv\('data.csv'\)"),
+        ({"data": (TIMES, TIMES)}, r"record 1 must be a dict.*, not ndarray"),
+        ({"data": ss.Record(record(), y0=3)}, r'y0 must be a dict, as \{"x": 0.1\}'),
+        ({"data": ss.Record(record(), y0=[1])}, "y0 has 1 values, and there are 2 states"),
+        ({"data": ss.Record(record(), parameters=[3])}, "parameters must be a dict"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused_with_an_example(given, said):
+    arguments = {"data": record(), "fit": [mu], "observe": {"x": x}} | given
+    with pytest.raises((TypeError, ValueError), match=said):
+        ss.fit(BLOCK, **arguments)
+
+
+def test_values_and_axes_of_a_fit():
+    found = ss.fit(BLOCK, record(), [mu], {"x": x})
+    with pytest.raises(KeyError, match="there is no fitted value 'nu': they are mu"):
+        found["nu"]
+    figure, axes = plt.subplots(2)
+    assert list(found.plot(axes=axes)) == list(axes)
+    with pytest.raises(TypeError, match="plot.axes=axes"):
+        found.plot(axes)
+    with pytest.raises(ValueError, match="has 2, data and residuals"):
+        found.plot(axes=axes[0])
+    with pytest.raises(ValueError, match="record = 1"):
+        found.plot(1)
+    plt.close(figure)

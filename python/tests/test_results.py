@@ -205,3 +205,14 @@ def test_curves_follow_the_solution_between_steps():
     axes = ss.solve_ivp(sol.system, (0, 2), [1, 0], t_eval=[0, 1, 2]).plot()
     assert len(axes.lines[0].get_xdata()) == 3
     matplotlib.pyplot.close(axes.figure)
+
+
+def test_several_axes_are_refused_where_a_figure_has_one():
+    sol = RESULTS["solution"]
+    figure, axes = matplotlib.pyplot.subplots(2)
+    with pytest.raises(TypeError, match=r"axes are 2, and this figure has one: .* axes\[0\]"):
+        sol.plot(axes)
+    with pytest.raises(TypeError, match="must be an Axes of matplotlib"):
+        sol.plot(figure)
+    assert sol.plot(axes[0]) is axes[0] and sol.plot(axes[:1]) is axes[0]
+    matplotlib.pyplot.close(figure)

@@ -406,8 +406,15 @@ def test_a_curve_that_cannot_be_is_refused():
     x = ss.state("x")
     with pytest.raises(ValueError, match="the curve mu has 2 values of x and 1 of y"):
         ss.Curve("mu", [0, 1], [1])
-    with pytest.raises(ss.SystemError, match="1 comes before 0, as number 1 and 2 of 2"):
-        ss.System({x: ss.Curve("mu", [1, 0], [1, 2])(x)})
+    for points in ([1, 0], [1, 1]):
+        with pytest.raises(ValueError, match=f"1 comes before {points[1]}, as number 1 and 2 of 2"):
+            ss.Curve("mu", points, [1, 2])
+    with pytest.raises(ValueError, match="it needs two at least"):
+        ss.Curve("mu", [0], [1])
+    with pytest.raises(ValueError, match="between = 'cubic' of the curve mu.*linear, monotone"):
+        ss.Curve("mu", [0, 1], [1, 2], between="cubic")
+    with pytest.raises(ValueError, match="beyond = 'zero' of the curve mu.*hold, extend, error"):
+        ss.Curve("mu", [0, 1], [1, 2], beyond="zero")
     with pytest.raises(ValueError, match="mu is the name of two curves"):
         ss.System({x: ss.Curve("mu", [0, 1], [1, 2])(x) + ss.Curve("mu", [0, 1], [1, 3])(x)})
     short = ss.System({x: ss.Curve("mu", [0, 1], [1, 2], beyond="error")(x)})

@@ -53,6 +53,70 @@ def test_the_methods_of_kane_and_lagrange_make_a_pendulum():
     assert np.allclose(ends, [plain, plain], rtol=0, atol=1e-10)
 
 
+def test_the_speeds_of_lagrange_are_states_of_their_own():
+    q, p = mechanics.dynamicsymbols("q p")
+    energy = (q.diff() ** 2 + p.diff() ** 2 - q**2) / 2 - 2 * p**2
+    lagrange = mechanics.LagrangesMethod(energy, [q, p])
+    lagrange.form_lagranges_equations()
+    made = ss.from_sympy(lagrange)
+    assert [one.name for one in made.states] == ["q", "p", "dq", "dp"]
+    assert made[q.diff()] is made.states[2]
+    sol = ss.solve_ivp(ss.System(made.rates), (0, 3), [1, 0, 0, 2])
+    assert np.allclose(sol.y[:2, -1], [np.cos(3), np.sin(6)], rtol=0, atol=1e-10)
+
+
+def test_the_derivative_of_a_state_is_its_rate():
+    q, u, p = mechanics.dynamicsymbols("q u p")
+    k, c = sympy.symbols("k c")
+    values = {k: 4.0, c: 0.5}
+    made = ss.from_sympy({q: u, u: -k * q - c * q.diff()}, values)
+    plain = ss.from_sympy({q: u, u: -k * q - c * u}, values)
+    assert ss.System(made.rates) == ss.System(plain.rates)
+    assert made[q.diff()] is made[u]
+    second = mechanics.dynamicsymbols._t, 2
+    assert repr(made[q.diff(second)]) == repr(made.rates[made[u]])
+    made = ss.from_sympy({q: q.diff(), q.diff(): -k * q - c * q.diff()}, values)
+    assert [one.name for one in made.states] == ["q", "dq"]
+    with pytest.raises(ValueError, match="depends on itself: solve the equations"):
+        ss.from_sympy({q: u, u: -k * q - c * u.diff()}, values)
+    with pytest.raises(ValueError, match="which is no state"):
+        ss.from_sympy({q: u, u: -k * q - c * p.diff()}, values)
+
+
+@pytest.mark.parametrize("values", [{}, {"q": 1}])
+def test_two_symbols_of_one_name_are_refused(values):
+    q, u = mechanics.dynamicsymbols("q u")
+    with pytest.raises(ValueError, match="rename one"):
+        ss.from_sympy({q: u, u: -sympy.Symbol("q")}, values)
+    x, k = sympy.symbols("x k")
+    for other in (x, k):
+        same = sympy.Symbol(other.name, positive=True)
+        with pytest.raises(ValueError, match="which have other assumptions: rename one"):
+            ss.from_sympy({x: -k * same}, {"k": 2})
+    with pytest.raises(ValueError, match="parameters has k twice"):
+        ss.from_sympy({x: -k * x}, {k: 2, "k": 3})
+
+
+def test_a_name_that_cannot_stand_in_formulas_is_refused_with_another():
+    x, omega = sympy.symbols(r"x \omega_0")
+    for rates, values in (({x: -omega * x}, {omega: 1}), ({omega: -omega}, {})):
+        with pytest.raises(ValueError, match=r"rename it, as sympy.Symbol\('omega_0'\)"):
+            ss.from_sympy(rates, values)
+
+
+def test_formulas_and_expressions_of_sympy_are_not_mixed():
+    x, k = ss.state("x"), sympy.Symbol("k")
+    for make in (lambda: x * k, lambda: k * x, lambda: x**k, lambda: ss.System({x: k})):
+        with pytest.raises(TypeError, match="from_sympy"):
+            make()
+
+
+def test_the_error_function():
+    x = sympy.Symbol("x")
+    (rate,) = ss.from_sympy({x: sympy.erf(x)}).rates.values()
+    assert repr(rate) == "erf(x)"
+
+
 def test_contacts_and_jumps_are_added():
     x, v, mu = sympy.symbols("x v mu")
     made = ss.from_sympy({x: v, v: -x}, {mu: 0.3})
@@ -71,6 +135,8 @@ def test_contacts_and_jumps_are_added():
         (lambda x, k: {x: sympy.sign(x)}, "a sign is the side of a Contact"),
         (lambda x, k: {x: sympy.Piecewise((1, x > 0), (2, True))}, "contact.by_side"),
         (lambda x, k: {x: sympy.gamma(x)}, "gamma.* has no formula"),
+        (lambda x, k: {x: sympy.Integral(x, x)}, "Integral.* has no formula"),
+        (lambda x, k: {x: x > 0}, "x > 0 has no formula: two formulas are contact.by_side"),
     ],
 )
 def test_what_has_no_formula_is_refused(make, said):
@@ -81,3 +147,6 @@ def test_what_has_no_formula_is_refused(make, said):
 def test_other_things_are_no_equations():
     with pytest.raises(TypeError, match="equations must be"):
         ss.from_sympy(3)
+    x = sympy.Symbol("x")
+    with pytest.raises(TypeError, match="is no symbol of SymPy"):
+        ss.from_sympy({x + 1: x})

@@ -64,6 +64,29 @@ def test_derivatives_are_columns():
     assert sol.to_xarray().dy.dims == ("state", "t", "by")
 
 
+def test_reactions_of_stops_are_columns():
+    h, w = ss.states("h w")
+    floor = ss.Stop("floor", gap=h, acts={w: 1}, restitution=0.5)
+    sol = ss.solve_ivp(ss.System({h: w, w: -10.0}, stops=[floor], start=[1, 0]), (0, 5))
+    assert np.array_equal(sol.to_pandas()["floor.force"], sol.forces[0])
+    assert np.array_equal(sol.to_xarray().forces.sel(stop="floor"), sol.forces[0])
+    assert "floor.force" in sol._repr_html_()
+
+
+def test_what_an_ensemble_kept_is_a_column():
+    starts = [[0.5, 0], [0.1, 0]]
+    one, two, words = (
+        ss.ensemble(belt_system(), starts, (0, 5), reduce=reduce)
+        for reduce in (lambda sol: sol.t[-1], lambda sol: sol.y[:, -1], lambda sol: "good")
+    )
+    assert one.to_pandas()["reduced"].tolist() == [5, 5]
+    assert np.array_equal(two.to_pandas()[["reduced.0", "reduced.1"]], two.y_end.T)
+    assert one.to_xarray().reduced.dims == ("orbit",)
+    assert two.to_xarray().reduced.dims == ("orbit", "reduced_0")
+    assert words.to_pandas()["reduced"].tolist() == ["good", "good"]
+    assert "reduced.1" in two._repr_html_()
+
+
 def test_a_system_without_transitions_has_an_empty_table():
     x = ss.state("x")
     sol = ss.solve_ivp(ss.System({x: -x}), (0, 1), [1.0])
@@ -107,3 +130,43 @@ def test_formulas_and_systems_are_shown_in_latex():
     system = ss.System({x: v, v: -x - belt.friction}, contacts=[belt])._repr_latex_()
     assert r"\dot{v} &= -x - F_{\mathrm{belt}}" in system
     assert r"\operatorname{sgn}\left(v - 0.2\right)" in system
+    assert r"F_{\mathrm{belt}} &= \mathrm{belt}\,\frac" in system
+
+
+def test_products_before_a_bracket_have_a_sign():
+    x, v = ss.states("x v")
+    c = ss.parameter("c", 0.4)
+    assert (c * (x - 1) * v)._repr_latex_() == r"$c \cdot \left(x - 1\right)\,v$"
+    belt = ss.Contact("belt", boundary=v, friction=c + x)
+    flat = ss.Contact("flat", boundary=v - 1, friction=0.4)
+    system = ss.System({x: v, v: -belt.friction - flat.friction}, contacts=[belt, flat])
+    shown = system._repr_latex_()
+    assert r"\mathrm{belt} \cdot \left(c + x\right)" in shown
+    assert r"\mathrm{flat} \cdot 0.4" in shown
+
+
+def test_stops_and_jumps_are_shown_in_latex():
+    h, w = ss.states("h w")
+    floor = ss.Stop("floor", gap=h, acts={w: 2}, restitution=0.5)
+    kick = ss.Jump(
+        "kick",
+        when=h - 3,
+        set={w: np.where(w < 1, 0, -w)},
+        direction="falling",
+        condition=(w < 1) & ~(h >= w),
+        count=3,
+    )
+    end = ss.Jump("end", when=h - 9, stop=True)
+    roof = ss.Stop("roof", gap=5 - h, acts={w: -1}, restitution=0)
+    shown = ss.System({h: w, w: -10.0}, stops=[floor, roof], jumps=[kick, end])._repr_latex_()
+    for part in (
+        r"\dot{w} &= -10 + \lambda_{\mathrm{floor}} \cdot 2 - \lambda_{\mathrm{roof}} \\",
+        r"0 &\le g_{\mathrm{floor}} \perp \lambda_{\mathrm{floor}} \ge 0",
+        r"g_{\mathrm{floor}} = 0 &: \dot{g_{\mathrm{floor}}} \to -0.5\,\dot{g_{\mathrm{floor}}}",
+        r"h - 3 = 0\ \text{(falling)}\ \text{if}\ w < 1 \land \lnot \left(h \ge w\right) &: ",
+        r"w \to \begin{cases} 0 & \text{if } w < 1 \\ -w & \text{otherwise} \end{cases}",
+        r",\ \text{end after 3}",
+        r"\dot{g_{\mathrm{roof}}} \to 0",
+        r"h - 9 = 0 &: \text{end}",
+    ):
+        assert part in shown, part

@@ -163,7 +163,7 @@ impl<'a> Recording<'a> {
             limit: wanted.limit,
             signals,
             friction: FrictionWatch::new(system),
-            monitor: StepMonitor::new((t, x), t_end, options),
+            monitor: StepMonitor::new(system, (t, x), t_end, options),
             past: wanted.is_reversed.then(|| PastWatch::new(system, options)),
             slide: None,
             doubtful: Vec::new(),
@@ -222,6 +222,10 @@ impl<'a> Recording<'a> {
             self.points_of(&step, orbit);
             self.friction.step(orbit);
             self.doubtful.extend(self.monitor.step(&step, &Keywords));
+            if self.monitor.looks_within() {
+                let middle = orbit.solution()(0.5 * (step.t_start + step.t_end));
+                self.monitor.reaches(middle.as_slice());
+            }
             self.last = (step.t_end, step.x_end.clone());
         }
         if let Some(steps) = &mut self.steps {

@@ -338,7 +338,7 @@ impl Recording {
             mode: None,
             wanted,
             t_end,
-            monitor: StepMonitor::new(start, t_end, options),
+            monitor: StepMonitor::new(system, start, t_end, options),
             progress: wanted
                 .progress
                 .then(|| DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go")),
@@ -438,6 +438,10 @@ impl Recording {
         match self.monitor.step(&step, &CommandLine) {
             Some(warning) if self.wanted.progress => note(&format!("warning: {warning}")),
             warning => self.doubtful.extend(warning),
+        }
+        if self.monitor.looks_within() {
+            let middle = orbit.solution()(0.5 * (step.t_start + step.t_end));
+            self.monitor.reaches(middle.as_slice());
         }
         if self.wanted.progress && orbit.counters().steps == MANY_STEPS {
             let advice = match (self.wanted.steps, self.wanted.figures) {

@@ -318,20 +318,12 @@ fn switching(
             let when = stops.when(stop, event);
             is_timed |= graph.depends_on_time(when);
             let map = match event {
-                StopEvent::Impact | StopEvent::Landing => {
-                    let states = 0..file.states.len();
-                    sets.push(states.map(|state| graph.state(state)).collect());
-                    match event {
-                        StopEvent::Landing => Map::Landing(stop),
-                        _ => Map::Impact(stop),
-                    }
-                }
-                StopEvent::LiftOff => {
-                    let set = &stops.lifted[stop];
-                    sets.push(set.clone());
-                    Map::Formulas(tape(file, graph, set, inputs)?)
-                }
+                StopEvent::Impact => Map::Impact(stop),
+                StopEvent::Landing => Map::Landing(stop),
+                StopEvent::LiftOff => Map::LiftOff(stop),
             };
+            let states = 0..file.states.len();
+            sets.push(states.map(|state| graph.state(state)).collect());
             jumps.push(Jump {
                 when: tape(file, graph, &[when], inputs)?,
                 direction: entry.direction,

@@ -317,8 +317,6 @@ fn solved(
 pub(super) struct Events {
     /// The function at whose zero each event occurs, by stop: impact, lift-off, landing.
     pub when: Vec<[Id; 3]>,
-    /// The states after a lift-off, by stop.
-    pub lifted: Vec<Vec<Id>>,
     /// The law of impact.
     pub impacts: Impacts,
 }
@@ -334,39 +332,54 @@ impl Events {
     }
 }
 
+/// Most contacts of which all combinations of sides are compared. Chosen: 64 builds of a field.
+const MOST_COMBINED: usize = 6;
+
+/// The combinations of sides to compare with that of all contacts below: with many contacts, those
+/// of each contact alone, and of all others.
+fn combinations(contacts: usize) -> Vec<usize> {
+    if contacts <= MOST_COMBINED {
+        return (1..1 << contacts).collect();
+    }
+    let all = (1 << contacts) - 1;
+    let alone = (0..contacts).map(|contact| 1 << contact);
+    alone
+        .flat_map(|one| [one, all ^ one])
+        .chain([all])
+        .collect()
+}
+
 /// The events of the stops of a file, which has some.
 pub(super) fn built(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
 ) -> Result<Events, Problem> {
-    let all = (1 << file.contacts.len()) - 1;
-    let on =
-        |graph: &mut Graph, above| equations(file, inputs, graph, Combination { above, held: 0 });
-    let (below, above) = (on(graph, 0)?, on(graph, all)?);
+    let below = equations(file, inputs, graph, Combination { above: 0, held: 0 })?;
     let sided = |name: &str, what: &str| {
         format!("the {what} of the gap of the stop `{name}` depends on the side of a contact")
     };
     let none = Combination { above: 0, held: 0 };
     let forces = reactions(file, inputs, graph, none)?;
-    let is_one_force = forces
-        == reactions(
-            file,
-            inputs,
-            graph,
-            Combination {
-                above: all,
-                held: 0,
-            },
-        )?;
+    // Sides may cancel where all contacts are on one, so that each combination counts.
+    let mut is_one_force = true;
+    let mut is_free_of_sides = vec![true; file.stops.len()];
+    for above in combinations(file.contacts.len()) {
+        let of = Combination { above, held: 0 };
+        let there = equations(file, inputs, graph, of)?;
+        is_one_force &= reactions(file, inputs, graph, of)? == forces;
+        for (number, stop) in file.stops.iter().enumerate() {
+            if below.rates[number] != there.rates[number] {
+                let message = sided(&stop.name, "rate");
+                return Err(Problem::new(message, stop.gap.whole())
+                    .help("a gap is a position: friction acts on its second derivative"));
+            }
+            is_free_of_sides[number] &= below.free[number] == there.free[number];
+        }
+    }
     let mut when = Vec::new();
     for (number, stop) in file.stops.iter().enumerate() {
-        if below.rates[number] != above.rates[number] {
-            let message = sided(&stop.name, "rate");
-            return Err(Problem::new(message, stop.gap.whole())
-                .help("a gap is a position: friction acts on its second derivative"));
-        }
-        if !is_one_force && (file.stops.len() > 1 || below.free[number] != above.free[number]) {
+        if !is_one_force && (file.stops.len() > 1 || !is_free_of_sides[number]) {
             let message = sided(&stop.name, "second derivative");
             return Err(Problem::new(message, stop.place.clone()).help(
                 "friction can follow the force of the only stop; other friction must not act on \
@@ -393,20 +406,8 @@ pub(super) fn built(
         when.push(function.map_err(|error| no_number(error, stop.place.clone()))?);
     }
     let acts = acts(file, inputs, graph)?;
-    let wrong = |error| no_number(error, file.stops[0].place.clone());
-    let mut lifted = Vec::new();
-    for (number, stop) in file.stops.iter().enumerate() {
-        let settled = settled(file, graph, (number, &below, &acts[number]));
-        let mut after = settled.map_err(wrong)?;
-        after[stop.closed] = graph.constant(0.0).map_err(wrong)?;
-        lifted.push(after);
-    }
     let impacts = impacts(file, inputs, graph, (&below, &acts))?;
-    Ok(Events {
-        when,
-        lifted,
-        impacts,
-    })
+    Ok(Events { when, impacts })
 }
 
 /// What a unit of each reaction adds to the rates, by stop and state.
@@ -424,33 +425,6 @@ fn acts(
         of.collect()
     });
     all.collect()
-}
-
-/// The states with the gap of a stop and its rate at zero, of which errors are left: the rate by an
-/// impulse, the gap along the motion that follows one.
-fn settled(
-    file: &SystemFile,
-    graph: &mut Graph,
-    (number, equations, acts): (usize, &Equations, &[Option<Id>]),
-) -> Result<Vec<Id>, NotANumber> {
-    let (gap, rate) = (equations.gaps[number], equations.rates[number]);
-    let effect = derivative(graph, rate, push(acts))?;
-    let impulse = graph.binary(Binary::Quotient, rate, effect)?;
-    let ways = ways(graph, (number, equations, acts))?;
-    let mut after = Vec::with_capacity(file.states.len());
-    for (state, way) in ways.into_iter().enumerate().take(file.states.len()) {
-        let mut id = graph.state(state);
-        if let Some(acts) = acts.get(state).copied().flatten() {
-            let part = graph.binary(Binary::Product, acts, impulse)?;
-            id = graph.binary(Binary::Difference, id, part)?;
-        }
-        if let Some(way) = way {
-            let part = graph.binary(Binary::Product, way, gap)?;
-            id = graph.binary(Binary::Difference, id, part)?;
-        }
-        after.push(id);
-    }
-    Ok(after)
 }
 
 /// The direction of the motion that follows an impulse at a stop, such that a unit of it opens the

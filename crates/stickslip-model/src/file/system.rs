@@ -91,6 +91,20 @@ pub enum SettingError {
         /// Highest that is allowed.
         high: f64,
     },
+    /// The period in the file is none of the system with the value.
+    #[error(
+        "with {name} = {} the system is not the same after the file's period {}: write the period \
+            as a formula of `{name}`, as in period = \"2*pi/{name}\"", readable(*value),
+            readable(*period)
+    )]
+    OtherPeriod {
+        /// Name.
+        name: String,
+        /// Value.
+        value: f64,
+        /// The period there.
+        period: f64,
+    },
     /// A parameter is set twice.
     #[error("the parameter `{name}` is set twice; set it once")]
     Twice {
@@ -309,6 +323,22 @@ impl System {
             (None, _) if self.built.depends_on_time => Err(PeriodError::Missing),
             (Some(period), Some(false)) => Err(PeriodError::Wrong { period }),
             _ => Ok(period),
+        }
+    }
+
+    /// The system with other values of parameters along which driven orbits are followed.
+    ///
+    /// # Errors
+    /// [`SettingError`]; also where the period of the file is none with these values.
+    pub fn driven_with(&self, settings: &[(&str, f64)]) -> Result<System, SettingError> {
+        let there = self.with_values(settings)?;
+        match (there.built.period, there.is_periodic(), settings.first()) {
+            (Some(period), Some(false), Some(&(name, value))) => Err(SettingError::OtherPeriod {
+                name: name.to_owned(),
+                value,
+                period,
+            }),
+            _ => Ok(there),
         }
     }
 

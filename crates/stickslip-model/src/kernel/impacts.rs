@@ -34,7 +34,7 @@ struct Touching<T> {
     restitution: T,
     /// Size of the terms of the rate.
     size: f64,
-    /// Whether the stop carries, so that what is left of its rate is rounding.
+    /// Whether the stop carries.
     carries: bool,
     /// Whether it carries after a landing: that stop, and those that carried before. A reaction
     /// that then would pull ends at once.
@@ -50,6 +50,16 @@ impl<T: Scalar> Touching<T> {
             false => self.rate,
         }
     }
+}
+
+/// What stops react to.
+enum Cause {
+    /// The impact of a stop.
+    Impact(usize),
+    /// The landing of a stop.
+    Landing(usize),
+    /// A jump, and by how much it has changed the rate of each gap.
+    Jump(Vec<f64>),
 }
 
 /// An impact: the stops that take part, and their impulses if some follow the law.
@@ -71,40 +81,79 @@ impl Impacts {
         parts
     }
 
-    /// Opens the stops whose gaps a jump has changed.
-    pub fn release<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) {
+    /// Opens the stops whose gaps a jump has changed. Returns by how much it has changed the rate
+    /// of each gap; zero where that is rounding.
+    fn release<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) -> Vec<f64> {
         let width = OF_STOP + self.closed.len();
         let [old, new] = [before, &*x].map(|x| self.evaluated(t, x));
-        for (stop, &closed) in self.closed.iter().enumerate() {
-            let [gap, size] = [0, 1].map(|part| new[stop * width + part].value());
-            if (gap - old[stop * width].value()).abs() > ROUNDING * size {
-                x[closed] = T::zero();
+        let moved = |place: usize| {
+            let [of, size] = [place, place + 1].map(|place| new[place].value());
+            let moved = of - old[place].value();
+            if moved.abs() > ROUNDING * size {
+                moved
+            } else {
+                0.0
             }
-        }
+        };
+        let closed = self.closed.iter().enumerate();
+        closed
+            .map(|(stop, &closed)| {
+                if moved(stop * width) != 0.0 {
+                    x[closed] = T::zero();
+                }
+                moved(stop * width + 2)
+            })
+            .collect()
     }
 
-    /// The states after the impact of a stop; with `None`, after a jump, which may move what closed
-    /// stops carry. Not a number where no impulses follow the law, or a restitution is not between
-    /// 0 and 1.
-    pub fn settle<T: Scalar>(&self, impact: Option<usize>, t: T, x: &mut [T]) {
-        self.changed(impact, false, t, x);
+    /// The states after the impact of a stop. Not a number where no impulses follow the law, or a
+    /// restitution is not between 0 and 1.
+    pub fn strike<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
+        self.changed(&Cause::Impact(stop), t, x);
+    }
+
+    /// The states after a jump from a state before it, which may move what closed stops carry. Not
+    /// a number as at an impact.
+    pub fn settle<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) {
+        let kicks = self.release(t, before, x);
+        self.changed(&Cause::Jump(kicks), t, x);
+    }
+
+    /// The states after a stop has let go.
+    pub fn lift_off<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
+        self.land(stop, t, x);
+        x[self.closed[stop]] = T::zero();
     }
 
     /// The states after the landing of a stop: its gap and the rate of that are zero. The rate
     /// vanishes by an impulse, which other closed stops share. The gap vanishes along the motion
     /// that follows an impulse. So the derivative is that of infinitely many impacts.
     pub fn land<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(Some(stop), true, t, x);
+        self.changed(&Cause::Landing(stop), t, x);
     }
 
-    /// The impulses of all stops at an impact, or behind a jump, and whether a stop lands.
-    pub fn impulses(&self, (impact, lands): (Option<usize>, bool), t: f64, x: &[f64]) -> Vec<f64> {
+    /// The impulses of all stops at an impact or a landing.
+    pub fn impulses(&self, stop: usize, lands: bool, t: f64, x: &[f64]) -> Vec<f64> {
+        let cause = match lands {
+            true => Cause::Landing(stop),
+            false => Cause::Impact(stop),
+        };
+        self.impulses_of(&cause, t, x)
+    }
+
+    /// The impulses of all stops behind a jump from a state before it.
+    pub fn impulses_behind(&self, t: f64, before: &[f64], x: &mut [f64]) -> Vec<f64> {
+        let kicks = self.release(t, before, x);
+        self.impulses_of(&Cause::Jump(kicks), t, x)
+    }
+
+    fn impulses_of(&self, cause: &Cause, t: f64, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.closed.len()];
         if let Some(Strike {
             touching,
             impulses: Some(impulses),
             ..
-        }) = self.strike((impact, lands), t, x)
+        }) = self.struck(cause, t, x)
         {
             for (one, impulse) in touching.iter().zip(impulses) {
                 all[one.stop] = impulse.unwrap_or(0.0);
@@ -113,8 +162,28 @@ impl Impacts {
         all
     }
 
-    fn changed<T: Scalar>(&self, impact: Option<usize>, lands: bool, t: T, x: &mut [T]) {
-        let Some(strike) = self.strike((impact, lands), t, x) else {
+    fn changed<T: Scalar>(&self, cause: &Cause, t: T, x: &mut [T]) {
+        let Some(Strike {
+            touching, parts, ..
+        }) = self.struck(cause, t, x)
+        else {
+            return;
+        };
+        // What location leaves of the gaps would displace all later impacts.
+        let rows = |parts: &[T], stop: usize| {
+            let (count, states) = (self.closed.len(), self.states);
+            let first = count * (OF_STOP + count) + 2 * stop * states;
+            let [acts, ways] = [0, 1].map(|row| first + row * states);
+            [acts, ways].map(|row| parts[row..row + states].to_vec())
+        };
+        for one in &touching {
+            let [_, ways] = rows(&parts, one.stop);
+            for (x, way) in x.iter_mut().zip(ways) {
+                *x = *x - way * one.gap;
+            }
+        }
+        // The rates are those at closed gaps.
+        let Some(strike) = self.struck(cause, t, x) else {
             return;
         };
         let Some(impulses) = strike.impulses else {
@@ -122,16 +191,11 @@ impl Impacts {
             return;
         };
         let (parts, touching) = (strike.parts, strike.touching);
-        let count = self.closed.len();
-        let width = OF_STOP + count;
         for (one, impulse) in touching.iter().zip(&impulses) {
-            let of_stop = &parts[count * width + 2 * one.stop * self.states..];
-            let (acts, ways) = of_stop[..2 * self.states].split_at(self.states);
-            for (x, (acts, way)) in x.iter_mut().zip(acts.iter().zip(ways)) {
-                // What location leaves of the gap would displace all later impacts.
-                *x = *x - *way * one.gap;
+            let [acts, _] = rows(&parts, one.stop);
+            for (x, acts) in x.iter_mut().zip(acts) {
                 if let Some(impulse) = *impulse {
-                    *x = *x + *acts * impulse;
+                    *x = *x + acts * impulse;
                 }
             }
         }
@@ -145,18 +209,16 @@ impl Impacts {
 
     /// The stops that take part in an impact and the impulses that follow the law; `None` where
     /// nothing changes.
-    fn strike<T: Scalar>(
-        &self,
-        (impact, lands): (Option<usize>, bool),
-        t: T,
-        x: &[T],
-    ) -> Option<Strike<T>> {
+    fn struck<T: Scalar>(&self, cause: &Cause, t: T, x: &[T]) -> Option<Strike<T>> {
+        let impact = match cause {
+            Cause::Impact(stop) | Cause::Landing(stop) => Some(*stop),
+            Cause::Jump(_) => None,
+        };
+        let lands = matches!(cause, Cause::Landing(_));
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
         let of = |stop: usize, part: usize| parts[stop * width + part];
-        let sizes = (0..count).map(|stop| of(stop, 3).value());
-        let largest = sizes.fold(0.0, f64::max);
         let touching: Vec<Touching<T>> = (0..count)
             .filter_map(|stop| {
                 let (gap, rate) = (of(stop, 0), of(stop, 2));
@@ -165,14 +227,20 @@ impl Impacts {
                 let size = of(stop, 1).value() + (rate.value() * t.value()).abs();
                 let touches = impact.is_some() && gap.value() <= ROUNDING * size;
                 let takes_part = impact == Some(stop) || is_closed || touches;
-                let is_small = rate.value().abs() <= ROUNDING * largest;
+                let is_kicked = match cause {
+                    Cause::Jump(kicks) => kicks[stop] != 0.0,
+                    _ => false,
+                };
+                let carries = is_closed && !is_kicked;
+                // The error in the rate of a gap that is closed is no motion.
+                let left = T::constant(if carries && !lands { rate.value() } else { 0.0 });
                 takes_part.then(|| Touching {
                     stop,
                     gap,
-                    rate,
+                    rate: rate - left,
                     restitution: of(stop, 4),
                     size: of(stop, 3).value(),
-                    carries: is_closed && (impact.is_some() || is_small),
+                    carries,
                     lands: lands && (is_closed || impact == Some(stop)),
                     coupling: parts[stop * width + OF_STOP..(stop + 1) * width].to_vec(),
                 })

@@ -293,6 +293,8 @@ pub enum Map {
     Impact(usize),
     /// The landing of a stop.
     Landing(usize),
+    /// The lift-off from a stop.
+    LiftOff(usize),
 }
 
 /// The jumps and inputs of a system.
@@ -355,18 +357,22 @@ impl Switching {
                 tape.evaluate(t, &before, x);
                 // A jump of the file may move what a closed stop carries.
                 if let Some(impacts) = impacts.filter(|_| jump.of_stop.is_none()) {
-                    impacts.release(t, &before, x);
-                    impacts.settle(None, t, x);
+                    impacts.settle(t, &before, x);
                 }
             }
             Map::Impact(stop) => {
                 if let Some(impacts) = impacts {
-                    impacts.settle(Some(*stop), t, x);
+                    impacts.strike(*stop, t, x);
                 }
             }
             Map::Landing(stop) => {
                 if let Some(impacts) = impacts {
                     impacts.land(*stop, t, x);
+                }
+            }
+            Map::LiftOff(stop) => {
+                if let Some(impacts) = impacts {
+                    impacts.lift_off(*stop, t, x);
                 }
             }
         }
@@ -379,14 +385,13 @@ impl Switching {
         };
         let jump = &self.jumps[jump];
         match &jump.set {
-            Map::Impact(stop) => impacts.impulses((Some(*stop), false), t, x),
-            Map::Landing(stop) => impacts.impulses((Some(*stop), true), t, x),
-            Map::Formulas(_) if jump.of_stop.is_some() => vec![0.0; impacts.closed.len()],
+            Map::Impact(stop) => impacts.impulses(*stop, false, t, x),
+            Map::Landing(stop) => impacts.impulses(*stop, true, t, x),
+            Map::LiftOff(_) => vec![0.0; impacts.closed.len()],
             Map::Formulas(tape) => {
                 let mut behind = x.to_vec();
                 tape.evaluate(t, x, &mut behind);
-                impacts.release(t, x, &mut behind);
-                impacts.impulses((None, false), t, &behind)
+                impacts.impulses_behind(t, x, &mut behind)
             }
         }
     }

@@ -58,7 +58,7 @@ impl<'a> Along<'a> {
         let range = (range.0.min(range.1), range.0.max(range.1));
         let number = system.file.parameter(name)?;
         for end in [range.0, range.1] {
-            system.with_values(&[(name, end)])?;
+            system.driven_with(&[(name, end)])?;
         }
         Ok(Along {
             system,

@@ -94,7 +94,7 @@ impl Diagram<'_> {
         start: impl FnOnce(&System) -> Result<Vec<f64>, E>,
         describe: &dyn Fn(&Error, &System) -> String,
     ) -> Result<(AtValue, Vec<AttractorChange>), E> {
-        let here = self.system.with_values(&[(self.parameter, value)])?;
+        let here = self.system.driven_with(&[(self.parameter, value)])?;
         let (system, settings) = (here.dynamics(), recurrence(&here, self.until));
         // A start that is given must be one; where an orbit is carried to, it may not be.
         let (start, reached) = match last {

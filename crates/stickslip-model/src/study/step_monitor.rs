@@ -37,12 +37,15 @@ pub struct StepMonitor {
     /// Minimum and maximum of each state over the steps. A start in stick lies beside its boundary
     /// by rounding, and the first step begins on it.
     extents: Vec<(f64, f64)>,
+    /// Whether jumps end steps: a state may then be near zero at the ends of steps alone.
+    has_jumps: bool,
 }
 
 impl StepMonitor {
     /// A monitor of a run from a start.
-    pub fn new((t, x): (f64, &[f64]), t_end: f64, options: &Options) -> Self {
+    pub fn new(system: &System, (t, x): (f64, &[f64]), t_end: f64, options: &Options) -> Self {
         StepMonitor {
+            has_jumps: !system.file.jumps.is_empty(),
             options: *options,
             t_end,
             ends: vec![(t, x.to_vec())],
@@ -50,6 +53,24 @@ impl StepMonitor {
             is_told: false,
             extents: vec![(f64::INFINITY, f64::NEG_INFINITY); x.len()],
         }
+    }
+
+    /// Whether a state seems to be far below its tolerance by the ends of steps, where impacts may
+    /// have it at zero. The middles of steps then count, too.
+    pub fn looks_within(&self) -> bool {
+        self.has_jumps && self.extents.iter().any(|extent| self.is_below(*extent))
+    }
+
+    /// Takes a state within a step into account.
+    pub fn reaches(&mut self, x: &[f64]) {
+        for ((low, high), &x) in self.extents.iter_mut().zip(x) {
+            (*low, *high) = (low.min(x), high.max(x));
+        }
+    }
+
+    /// Whether a state of this extent moves far below its tolerance.
+    fn is_below(&self, (low, high): (f64, f64)) -> bool {
+        low < high && low.abs().max(high.abs()) <= FAR_BELOW * self.options.atol
     }
 
     /// Begins anew where something other than the step's own length ended it: an event or a kink.
@@ -120,7 +141,7 @@ impl StepMonitor {
         let states = system.file.states.iter().zip(&self.extents);
         let below = states.filter_map(|(state, &(low, high))| {
             let size = low.abs().max(high.abs());
-            if !(low < high && size <= FAR_BELOW * self.options.atol) {
+            if !self.is_below((low, high)) {
                 return None;
             }
             let wanted = math::log10(self.options.rtol * size).floor() as i32;

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many,
-    lyapunov_spectrum, multipliers,
+    AttractorKind, ContinuationSettings, RecurrenceSettings, SpectrumOptions, attractor,
+    attractor_of_many, lyapunov_spectrum, multipliers,
 };
-use stickslip::{Error, math};
+use stickslip::{Error, Options, math};
 use stickslip_model::study::{Along, WholeBranch};
 
 use super::run::{METHODS, Run, branch, options, orbit, system, with};
@@ -149,7 +149,7 @@ fn a_falling_ball_is_no_equilibrium_and_one_at_rest_is() {
         .replace("[start]\nh = 0\nv = \"A\"", "[start]\nh = 1\nv = 0");
     let system = system(&text);
     let options = options("taylor");
-    let settings = stickslip::analysis::ContinuationSettings::over(0.5, 2.0);
+    let settings = ContinuationSettings::over(0.5, 2.0);
     let along = Along::new(&system, "A", (0.5, 2.0)).unwrap();
     for at in [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]] {
         let found = along.equilibria(&at, &settings, &options);
@@ -287,4 +287,151 @@ fn chatter_is_no_period_and_a_start_behind_a_stop_no_end() {
         behind,
         AttractorKind::Failure(Error::BehindStop { .. })
     ));
+}
+
+/// A body on a table, both driven so that it stays on it; the field depends on its velocity. The
+/// state y decays by itself, and a jump kicks it.
+fn carried_with_drag(gap: &str, field: &str, kick: &str) -> String {
+    let kick = match kick {
+        "" => String::new(),
+        when => format!("[jumps.kick]\nwhen = \"{when}\"\nset = {{ y = \"y + 1\" }}\n"),
+    };
+    format!(
+        "name = \"carried\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\n[stops.table]\ngap = \"{gap}\"\n\
+         acts = {{ v = 1 }}\nrestitution = 0.9\n{kick}[field]\nx = \"v\"\nv = \"{field}\"\n\
+         y = \"-y\"\n[start]\nx = 0\nv = 0.5\ny = 0\n[time]\nend = 200\nperiod = \"2*pi\"\n"
+    )
+}
+
+#[test]
+fn a_landing_leaves_neither_gap_nor_rate_where_drag_acts() {
+    let size = math::exp(-2.0 * PI);
+    for kick in ["", "sin(3*t)"] {
+        let text = carried_with_drag("x - 0.5*sin(t)", "-1 - 0.3*v", kick);
+        for method in METHODS {
+            let found = orbit(&system(&text), &options(method));
+            let multipliers = multipliers(&found.monodromy);
+            assert!(
+                (multipliers[0].re - size).abs() < 1e-11,
+                "{method}: {multipliers:?}"
+            );
+            assert!(multipliers[1..].iter().all(|one| one.norm() < 1e-12));
+            let run = Run::of(system(&text), &options(method), Some(2000.0));
+            let gap = run.end("x") - 0.5 * math::sin(2000.0);
+            let rate = run.end("v") - 0.5 * math::cos(2000.0);
+            assert!(
+                gap.abs() < 1e-11 && rate.abs() < 1e-11,
+                "{method}: {gap:e}, {rate:e}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_carries_is_not_hit_by_the_events_of_others() {
+    let table = "x - 5*sin(t) - 3*sin(2.3*t)";
+    let text = carried_with_drag(table, "-200 - 30*sin(x) - 0.3*v", "sin(3*t)");
+    let text = text.replace("v = 0.5\n", "v = 11.9\n");
+    let beside = "name = \"two\"\n[states]\nx = \"\"\nv = \"\"\nh = \"\"\nw = \"\"\n[stops.table]\n\
+                  gap = \"x - 0.5*sin(t)\"\nacts = { v = 1 }\nrestitution = 0.9\n[stops.floor]\n\
+                  gap = \"h\"\nacts = { w = 1 }\nrestitution = 0.95\n[field]\nx = \"v\"\n\
+                  v = \"-1 - x^3\"\nh = \"w\"\nw = -1\n[start]\nx = 0\nv = 0.5\nh = 3\nw = 0\n\
+                  [time]\nend = 80\n";
+    for method in METHODS {
+        for tolerance in [1e-12, 1e-9, 1e-7] {
+            for text in [&text, beside] {
+                let options = Options {
+                    rtol: tolerance,
+                    atol: tolerance,
+                    ..options(method)
+                };
+                let run = Run::of(system(text), &options, None);
+                assert!(run.ended.is_ok(), "{}", run.words());
+                let of_table = run
+                    .transitions
+                    .iter()
+                    .filter(|at| at.2.starts_with("table"));
+                let names: Vec<&str> = of_table.map(|at| at.2.as_str()).collect();
+                assert_eq!(names, ["table.landing"], "{method}, {tolerance:e}");
+            }
+        }
+    }
+}
+
+#[test]
+fn equilibria_end_where_a_gap_or_a_reaction_vanishes() {
+    let text = "name = \"held\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 1\n[stops.wall]\n\
+                gap = \"x\"\nacts = { v = 1 }\nrestitution = 0.5\n[field]\nx = \"v\"\n\
+                v = \"-0.5*v - (x - q)\"\n[start]\nx = 1\nv = 0\n[time]\nend = 50\n";
+    let (settings, options) = (ContinuationSettings::over(-1.0, 1.0), options("taylor"));
+    let ends = |q: f64, start: [f64; 3]| {
+        let held = with(text, &[("q", q)]);
+        let along = Along::new(&held, "q", (-1.0, 1.0)).unwrap();
+        let found = along.equilibria(&start, &settings, &options).unwrap();
+        let at = found.special.iter().map(|one| one.parameter);
+        let all = found.points.iter().map(|one| one.parameter);
+        (all.collect::<Vec<f64>>(), at.collect::<Vec<f64>>())
+    };
+    let (open, at) = ends(1.0, [1.0, 0.0, 0.0]);
+    assert!(open.iter().all(|q| *q > 0.0) && at.len() == 1 && at[0].abs() < 1e-12);
+    let (closed, at) = ends(-0.5, [0.0, 0.0, 1.0]);
+    assert!(closed.iter().all(|q| *q < 0.0) && at.len() == 1 && at[0].abs() < 1e-12);
+}
+
+#[test]
+fn sides_of_contacts_that_cancel_do_not_hide_that_a_reaction_depends_on_them() {
+    let text = "name = \"sides\"\n[states]\nv = \"\"\nu = \"\"\nh = \"\"\nw = \"\"\n[contacts.a]\n\
+                boundary = \"v\"\nfriction = 0.1\n[contacts.b]\nboundary = \"u\"\nfriction = 0.1\n\
+                [stops.floor]\ngap = \"h\"\nacts = { w = 1 }\nrestitution = 0\n[field]\n\
+                v = \"1 - friction(a)\"\nu = \"-1 - friction(b)\"\nh = \"w\"\nw = \"-1 + a - b\"\n\
+                [time]\nend = 3\n";
+    let file = stickslip_model::file::SystemFile::parse(stickslip_model::file::Source {
+        name: "system.toml".to_owned(),
+        text: text.to_owned(),
+    });
+    let made = file.and_then(|file| {
+        file.with(&[]).map_err(|error| match error {
+            stickslip_model::file::SettingError::File(error) => error,
+            other => panic!("{other}"),
+        })
+    });
+    let error = made.err().unwrap().to_string();
+    assert!(
+        error.contains("depends on the side of a contact"),
+        "{error}"
+    );
+}
+
+#[test]
+fn a_condition_does_not_hide_impacts_that_accumulate() {
+    let text = "name = \"bounces\"\n[states]\nx = \"\"\nv = \"\"\n[jumps.a]\nwhen = \"x - 0.5\"\n\
+                direction = \"falling\"\nif = \"v < 0\"\nset = { v = \"-0.9*v\" }\n[field]\nx = \"v\"\n\
+                v = \"-x\"\n[start]\nx = -1\nv = 0\n[time]\nend = 40\n";
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        assert!(
+            matches!(run.ended, Err(Error::EventPileUp { .. })),
+            "{:?}",
+            run.ended
+        );
+    }
+}
+
+#[test]
+fn reactions_that_vanish_at_once_open_the_stop_that_pulls() {
+    // A ball on another one on a floor; from t = 1 on a force lifts the upper one.
+    let text = "name = \"stack\"\n[states]\nx = \"\"\nu = \"\"\ny = \"\"\nv = \"\"\n[inputs.on]\n\
+                shape = \"table\"\ntimes = [1, 1]\nvalues = [0, 1]\nbetween = \"constant\"\n\
+                [stops.floor]\ngap = \"x\"\nacts = { u = 1 }\nrestitution = 0.5\n[stops.pair]\n\
+                gap = \"y - x\"\nacts = { u = -1, v = 1 }\nrestitution = 0.5\n[field]\nx = \"u\"\n\
+                u = -5\ny = \"v\"\nv = \"-5 + 15*on\"\n[start]\nx = 0\nu = 0\ny = 0\nv = 0\n\
+                [time]\nend = 2\n";
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        assert!(run.ended.is_ok(), "{}", run.words());
+        let state = ["x", "y", "floor.closed", "pair.closed"].map(|name| run.end(name));
+        for (found, exact) in state.into_iter().zip([0.0, 5.0, 1.0, 0.0]) {
+            assert!((found - exact).abs() < 1e-9, "{method}: {state:?}");
+        }
+    }
 }

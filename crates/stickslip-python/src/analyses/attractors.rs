@@ -236,7 +236,7 @@ pub(crate) fn parameter_map<'py>(
             return Ok(None);
         }
         let (column, row) = (columns[index % columns.len()], rows[index / columns.len()]);
-        let here = system.with_values(&[(name, column), (other, row)])?;
+        let here = system.driven_with(&[(name, column), (other, row)])?;
         let start = start_state(&here, x.as_deref())?;
         let recurrence = recurrence(&here, longest);
         let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;

@@ -122,12 +122,17 @@ impl<'a> Tangent<'a> {
         // Where impacts accumulate, all parts are small; the state is known to the tolerance.
         let located = EVENT_PRECISION * reset.gradient.abs().sum();
         let is_triggered = self.system.kink(&here).is_none()
+            && !reset.lands
             && reset.value.abs() > self.carrying.tolerance * (size + located);
         if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
             let (t, x, jump) = (at.t, Point::from(&at.x), at.contact);
             return Err(Error::ChainedJumps { t, x, jump });
         }
-        let kick = if is_triggered { kick * 0.0 } else { kick };
+        // Where impacts have accumulated, the motion on either side is the same.
+        let kick = match is_triggered || reset.lands {
+            true => kick * 0.0,
+            false => kick,
+        };
         let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));

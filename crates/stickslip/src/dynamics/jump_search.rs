@@ -333,7 +333,9 @@ where
                 integration.stop_at(integration.at());
                 self.due.push_back(Due::at_once(number));
             }
-            return self.check(integration);
+            self.check(integration)?;
+            self.stay_on_stops(integration);
+            return Ok(());
         };
         let kinks = (self.next_kink - t).abs() <= TIME_ROUNDING * t.abs();
         let t = if kinks { self.next_kink } else { t };
@@ -394,7 +396,8 @@ where
     fn pass_idle(&mut self, integration: &Integration<'a, S, N, G>) {
         while let Some(due) = self.due.front().copied() {
             let x = components(integration.x());
-            if self.jumps.happens(due.number, integration.t(), x) {
+            // A zero that comes back before it was left ends an accumulation.
+            if due.is_unresolved || self.jumps.happens(due.number, integration.t(), x) {
                 return;
             }
             self.due.pop_front();
@@ -493,6 +496,32 @@ where
             contact: number,
             residual,
         }))
+    }
+
+    /// Puts the state back on the stops that carry, once errors have moved it off by as much as
+    /// those of a step may: the motion keeps what is off, and the rate of it.
+    fn stay_on_stops(&self, integration: &mut Integration<'a, S, N, G>) {
+        let (at, options) = (integration.at(), *integration.options());
+        let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+        let is_off = |number: &usize| {
+            self.jumps
+                .kept(*number, at.x.as_slice())
+                .is_some_and(|kept| {
+                    let value = |t, x: &_| self.jumps.when(*number, t, x);
+                    let (slopes, _) = gradient(value, &at, integration.states());
+                    let off = self.jumps.when(*number, at.t, components(&at.x)) - kept;
+                    off.abs() > slopes.abs().dot(&error)
+                })
+        };
+        if (0..self.counts.len()).any(|number| is_off(&number)) {
+            let kept = |number: &usize| self.jumps.kept(*number, at.x.as_slice()).is_some();
+            let landings = (0..self.counts.len()).filter(kept);
+            let landings = landings.filter_map(|number| self.jumps.rests(number));
+            let x = landings.fold(at.x, |x, landing| {
+                self.jumps.set(landing, at.t, components(&x)).into()
+            });
+            integration.move_to(x);
+        }
     }
 
     /// Where rounding hides the flight before an impact, the body stays on its stop, even if the

@@ -212,6 +212,8 @@ pub struct Reset {
     pub in_time: f64,
     /// Whether another jump follows where occurrences of this one accumulate.
     pub rests: bool,
+    /// Whether it follows another jump in that way: its time is that of the accumulation.
+    pub lands: bool,
 }
 
 /// The effect on tangent vectors of an input's kink at the end of a step. The time of the kink

@@ -309,6 +309,7 @@ where
             gradient: of.vector(&gradient),
             in_time,
             rests: of.jumps.rests(jump).is_some(),
+            lands: (0..of.jumps.count()).any(|other| of.jumps.rests(other) == Some(jump)),
         }
     }
 

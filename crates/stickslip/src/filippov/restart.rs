@@ -20,6 +20,14 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         self.due = Due::PhaseEnd(Ending::Stopped);
     }
 
+    /// Goes on from a state that differs from the present one by errors.
+    pub(crate) fn move_to(&mut self, x: State<N>) {
+        if let Due::Begin | Due::Step | Due::AfterStep = self.due {
+            self.run.at.x = x;
+            self.due = Due::Begin;
+        }
+    }
+
     /// Sets the end time of the run. Behind an earlier one an input moves the state again.
     pub(crate) fn end_at(&mut self, t_end: f64) {
         self.has_inputs |= t_end < self.run.t_end;
@@ -206,10 +214,12 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         Ok(())
     }
 
-    /// Whether the last transitions form a series with this jump.
+    /// Whether the last transitions form a series with this jump, whose end is not past.
     pub(crate) fn is_in_series(&self, jump: usize) -> bool {
         let series = self.pile_up.series();
-        series.is_some_and(|series| series.contacts.contains(&jump))
+        series.is_some_and(|series| {
+            series.contacts.contains(&jump) && series.at.t + series.uncertainty >= self.run.at.t
+        })
     }
 
     /// Begins a phase at the present state.

@@ -165,9 +165,10 @@ pub fn attractors_of_many<Kind>(
 fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attractor, Error> {
     let kind = match error {
         Error::Escaped { .. } => AttractorKind::Escape,
-        Error::StartOutsideDomain { .. } | Error::BehindStop { .. } | Error::OffStop { .. } => {
-            AttractorKind::Failure(error)
-        }
+        Error::StartOutsideDomain { .. }
+        | Error::BehindStop { .. }
+        | Error::OffStop { .. }
+        | Error::Undefined { .. } => AttractorKind::Failure(error),
         error => return Err(error),
     };
     Ok(Attractor {

@@ -435,7 +435,7 @@ impl EquilibriumContinuation<'_> {
             .flatten()
             .any(|one| one.abs() > ROUNDING);
         let flow = &*self.system.flow(line.mode, &last.at);
-        let guards = flow.guards().into_iter().filter(|guard| !guard.is_of_jump);
+        let guards = flow.guards().into_iter().filter(|guard| guard.is_condition);
         let guards: Vec<_> = guards
             .map(|guard| {
                 let value = move |one: &BranchEquilibrium| Some(flow.guard(guard.number, &one.at));
@@ -485,6 +485,10 @@ impl EquilibriumContinuation<'_> {
     ) -> Option<(BranchEquilibrium, EquilibriumTangent)> {
         let last = at.at.x.len() - 1;
         let by_parameter = unit(last + 1, last);
+        // Where a stop opens or closes, a jump leads to another discrete state.
+        if contact >= at.mode.len() {
+            return None;
+        }
         others(at.mode, contact).find_map(|mode| {
             let one = self.solve(mode, &at.at.x, &by_parameter)?;
             let off = (&one.at.x - &at.at.x).component_div(&self.units).amax();
