@@ -34,6 +34,8 @@ struct Touching<T> {
     restitution: T,
     /// Size of the terms of the rate.
     size: f64,
+    /// The error in the rate of a gap that is closed, which is no motion.
+    left: f64,
     /// Whether the stop carries.
     carries: bool,
     /// Whether it carries after a landing: that stop, and those that carried before. A reaction
@@ -49,6 +51,11 @@ impl<T: Scalar> Touching<T> {
             true => self.rate + self.restitution * self.rate,
             false => self.rate,
         }
+    }
+
+    /// The impulse that removes the error in the rate.
+    fn impulse_of_error(&self) -> f64 {
+        (self.left / self.coupling[self.stop].value()).abs()
     }
 }
 
@@ -202,7 +209,8 @@ impl Impacts {
         for (one, impulse) in touching.iter().zip(&impulses) {
             let (after, size) = rate_after(one, &touching, &impulses);
             let is_pressed = one.carries && impulse.is_some();
-            let closes = one.lands || is_pressed || after.value().abs() <= ROUNDING * size;
+            let moves = (after.value() - one.left).abs() > ROUNDING * size;
+            let closes = one.lands || is_pressed || !moves;
             x[self.closed[one.stop]] = if closes { T::one() } else { T::zero() };
         }
     }
@@ -232,12 +240,12 @@ impl Impacts {
                     _ => false,
                 };
                 let carries = is_closed && !is_kicked;
-                // The error in the rate of a gap that is closed is no motion.
-                let left = T::constant(if carries && !lands { rate.value() } else { 0.0 });
+                let left = if carries { rate.value() } else { 0.0 };
                 takes_part.then(|| Touching {
                     stop,
                     gap,
-                    rate: rate - left,
+                    rate,
+                    left,
                     restitution: of(stop, 4),
                     size: of(stop, 3).value(),
                     carries,
@@ -292,11 +300,11 @@ fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
         let pushes = chosen
             .iter()
             .zip(&values)
-            .all(|(i, impulse)| of(i) || impulse.value() >= 0.0);
+            .all(|(i, impulse)| of(i) || impulse.value() >= -touching[*i].impulse_of_error());
         let holds = touching.iter().enumerate().all(|(i, one)| {
             let (after, size) = rate_after(one, touching, &impulses);
             let left = one.wanted() - one.rate + after;
-            set & 1 << i != 0 || !one.lands && left.value() >= -ROUNDING * size
+            set & 1 << i != 0 || !one.lands && left.value() - one.left >= -ROUNDING * size
         });
         (pushes && holds).then_some(impulses)
     })
