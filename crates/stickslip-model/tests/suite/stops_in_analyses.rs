@@ -297,7 +297,8 @@ fn carried_with_drag(gap: &str, field: &str, kick: &str) -> String {
         when => format!("[jumps.kick]\nwhen = \"{when}\"\nset = {{ y = \"y + 1\" }}\n"),
     };
     format!(
-        "name = \"carried\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\n[stops.table]\ngap = \"{gap}\"\n\
+        "name = \"carried\"\n[states]\nx = \"\"\nv = \"\"\ny = \"\"\n[stops.table]\n\
+         gap = \"{gap}\"\n\
          acts = {{ v = 1 }}\nrestitution = 0.9\n{kick}[field]\nx = \"v\"\nv = \"{field}\"\n\
          y = \"-y\"\n[start]\nx = 0\nv = 0.5\ny = 0\n[time]\nend = 200\nperiod = \"2*pi\"\n"
     )
@@ -405,7 +406,8 @@ fn sides_of_contacts_that_cancel_do_not_hide_that_a_reaction_depends_on_them() {
 #[test]
 fn a_condition_does_not_hide_impacts_that_accumulate() {
     let text = "name = \"bounces\"\n[states]\nx = \"\"\nv = \"\"\n[jumps.a]\nwhen = \"x - 0.5\"\n\
-                direction = \"falling\"\nif = \"v < 0\"\nset = { v = \"-0.9*v\" }\n[field]\nx = \"v\"\n\
+                direction = \"falling\"\nif = \"v < 0\"\nset = { v = \"-0.9*v\" }\n[field]\n\
+                x = \"v\"\n\
                 v = \"-x\"\n[start]\nx = -1\nv = 0\n[time]\nend = 40\n";
     for method in METHODS {
         let run = Run::of(system(text), &options(method), None);
