@@ -6,8 +6,9 @@ use stickslip::analysis::{
     AttractorKind, ContinuationSettings, RecurrenceSettings, SpectrumOptions, attractor,
     attractor_of_many, lyapunov_spectrum, multipliers,
 };
+use stickslip::dynamics::{Modes, Step, Vector};
 use stickslip::{Error, Options, math};
-use stickslip_model::study::{Along, WholeBranch};
+use stickslip_model::study::{Along, StepMonitor, WholeBranch};
 
 use super::run::{METHODS, Run, branch, options, orbit, system, with};
 
@@ -436,4 +437,72 @@ fn reactions_that_vanish_at_once_open_the_stop_that_pulls() {
             assert!((found - exact).abs() < 1e-9, "{method}: {state:?}");
         }
     }
+}
+
+#[test]
+fn a_start_at_which_a_jump_is_undefined_is_no_end_of_a_sweep() {
+    let text = "name = \"root\"\n[states]\nx = \"\"\nv = \"\"\n[discrete]\nn = 0\n[jumps.j]\n\
+                when = \"sqrt(x + 1) - 2\"\nset = { n = \"n + 1\" }\n[field]\nx = \"v\"\n\
+                v = \"-x - 0.1*v\"\n[start]\nx = 0.5\nv = 0\n[time]\nend = 5\n";
+    let (system, settings) = (system(text), RecurrenceSettings::within(2000.0));
+    let reach = |x: f64| {
+        let start = [x, 0.0, 0.0];
+        attractor_of_many(system.dynamics(), start, &settings, &options("taylor")).unwrap()
+    };
+    assert_eq!(reach(0.5).kind, AttractorKind::Equilibrium);
+    let outside = reach(-1.5).kind;
+    assert!(
+        matches!(outside, AttractorKind::Failure(Error::Undefined { .. })),
+        "{outside:?}"
+    );
+}
+
+#[test]
+fn a_period_that_a_parameter_changes_is_written_with_it() {
+    let text = "name = \"driven\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nom = 0.8\n[field]\n\
+                x = \"v\"\nv = \"-x - 0.3*v + 0.5*cos(om*t)\"\n[time]\nend = 9\nperiod = PERIOD\n";
+    let constant = system(&text.replace("PERIOD", "7.853981633974483"));
+    let refused = Along::new(&constant, "om", (0.5, 1.5)).err().unwrap();
+    let words = refused.to_string();
+    assert!(
+        words.contains("write the period as a formula of `om`"),
+        "{words}"
+    );
+    let formula = system(&text.replace("PERIOD", "\"2*pi/om\""));
+    assert!(Along::new(&formula, "om", (0.5, 1.5)).is_ok());
+}
+
+#[test]
+fn a_ball_whose_steps_end_at_impacts_is_not_below_its_tolerance() {
+    struct Names;
+    impl stickslip_model::file::Interface for Names {
+        fn name(&self, option: &str) -> String {
+            option.to_owned()
+        }
+        fn choice(&self, option: &str, _: &[&str]) -> String {
+            option.to_owned()
+        }
+        fn value(&self, option: &str, _: f64) -> String {
+            option.to_owned()
+        }
+        fn nearer(&self) -> &'static str {
+            ""
+        }
+    }
+    let table = system(TABLE);
+    let start = [0.0, 1.0, 0.0];
+    let mut monitor = StepMonitor::new(&table, (0.0, &start), 1.0, &options("taylor"));
+    let end = |h: f64| Vector::from_column_slice(&[h, -0.5, 0.0]);
+    let step = Step {
+        mode: Modes::new(&[]),
+        t_start: 0.0,
+        t_end: 0.5,
+        x_start: Vector::from_column_slice(&start),
+        x_end: end(1e-17),
+    };
+    monitor.step(&step, &Names);
+    assert!(monitor.looks_within());
+    assert_eq!(monitor.below_tolerance(&table, &Names).len(), 1);
+    monitor.reaches(end(0.1).as_slice());
+    assert!(monitor.below_tolerance(&table, &Names).is_empty());
 }
