@@ -3,13 +3,13 @@
 use std::collections::VecDeque;
 
 use super::OrbitProgress;
-use super::jumps::Jumps;
+use super::jumps::{Jumps, allowed, kept, landed};
 use super::section::TypedFunctions;
 use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
     Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, SearchMemory,
-    Switched, TIME_ROUNDING, Transition, TransitionKind, gradient,
+    Switched, TIME_ROUNDING, Transition, TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -235,12 +235,10 @@ where
         let Some(rest) = self.jumps.rests(number) else {
             return number;
         };
-        let (at, options) = (integration.at(), integration.options());
-        let value = |t, x: &_| self.jumps.when(rest, t, x);
-        let (slopes, _) = gradient(value, &at, integration.states());
-        let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+        let at = integration.at();
+        let with = (integration.states(), integration.options());
         let rate = self.jumps.when(rest, at.t, components(&at.x));
-        match rate.abs() <= slopes.abs().dot(&error) {
+        match rate.abs() <= allowed(self.jumps, rest, &at, with) {
             true => rest,
             false => number,
         }
@@ -501,26 +499,12 @@ where
     /// Puts the state back on the stops that carry, once errors have moved it off by as much as
     /// those of a step may: the motion keeps what is off, and the rate of it.
     fn stay_on_stops(&self, integration: &mut Integration<'a, S, N, G>) {
-        let (at, options) = (integration.at(), *integration.options());
-        let error = at.x.map(|x| options.atol + options.rtol * x.abs());
-        let is_off = |number: &usize| {
-            self.jumps
-                .kept(*number, at.x.as_slice())
-                .is_some_and(|kept| {
-                    let value = |t, x: &_| self.jumps.when(*number, t, x);
-                    let (slopes, _) = gradient(value, &at, integration.states());
-                    let off = self.jumps.when(*number, at.t, components(&at.x)) - kept;
-                    off.abs() > slopes.abs().dot(&error)
-                })
-        };
-        if (0..self.counts.len()).any(|number| is_off(&number)) {
-            let kept = |number: &usize| self.jumps.kept(*number, at.x.as_slice()).is_some();
-            let landings = (0..self.counts.len()).filter(kept);
-            let landings = landings.filter_map(|number| self.jumps.rests(number));
-            let x = landings.fold(at.x, |x, landing| {
-                self.jumps.set(landing, at.t, components(&x)).into()
-            });
-            integration.move_to(x);
+        let (at, states) = (integration.at(), integration.states());
+        let with = (states, integration.options());
+        let is_off = kept(self.jumps, at)
+            .any(|(number, off)| off.abs() > allowed(self.jumps, number, &at, with));
+        if is_off {
+            integration.move_to(landed(self.jumps, at));
         }
     }
 

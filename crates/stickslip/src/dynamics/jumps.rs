@@ -1,8 +1,10 @@
 //! Jumps: maps of the state at zeros of functions of the state.
 
 use super::Vector;
-use crate::filippov::Direction;
+use crate::filippov::{Direction, Options, gradient};
+use crate::ode::Timed;
 use crate::scalar::Scalar;
+use crate::system::{State, components};
 
 /// The jumps of a system of `N` states, and its inputs that kink at known times.
 ///
@@ -165,6 +167,37 @@ pub trait Jumps<const N: usize> {
     /// Sets the components of the state that an input holds from `t` to its next kink; to NaN where
     /// its clock is undefined.
     fn hold(&self, _input: usize, _t: f64, _x: &mut [f64]) {}
+}
+
+/// The jumps whose functions the motion from a state keeps, with what is off.
+pub(super) fn kept<J: Jumps<N>, const N: usize>(
+    jumps: &J,
+    Timed { t, x }: Timed<N>,
+) -> impl Iterator<Item = (usize, f64)> {
+    (0..jumps.count()).filter_map(move |jump| {
+        let kept = jumps.kept(jump, x.as_slice())?;
+        Some((jump, jumps.when(jump, t, components(&x)) - kept))
+    })
+}
+
+/// How far off errors of the first states within the tolerance may move the function of a jump.
+pub(super) fn allowed<J: Jumps<N>, const N: usize>(
+    jumps: &J,
+    jump: usize,
+    at: &Timed<N>,
+    (states, options): (usize, &Options),
+) -> f64 {
+    let (slopes, _) = gradient(|t, x| jumps.when(jump, t, x), at, states);
+    let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+    slopes.abs().dot(&error)
+}
+
+/// The state on the stops that carry at a moment, by their landings.
+pub(super) fn landed<J: Jumps<N>, const N: usize>(jumps: &J, at: Timed<N>) -> State<N> {
+    let landings = kept(jumps, at).filter_map(|(jump, _)| jumps.rests(jump));
+    landings.fold(at.x, |x, landing| {
+        jumps.set(landing, at.t, components(&x)).into()
+    })
 }
 
 /// No jumps.

@@ -1,7 +1,7 @@
 //! A typed system as the solver and the analyses see it.
 
 use super::interrupt::Interrupt;
-use super::jumps::Jumps;
+use super::jumps::{Jumps, allowed, kept, landed};
 use super::{Kink, Modes, Moment, Passage, Phase, Summary, Transition, Vector};
 use crate::dual::Dual;
 use crate::error::{Error, Point};
@@ -81,11 +81,8 @@ where
     }
 
     /// The jumps whose functions the motion from a state keeps, with what is off.
-    pub(super) fn kept(&self, Timed { t, x }: Timed<N>) -> impl Iterator<Item = (usize, f64)> {
-        (0..self.jumps.count()).filter_map(move |jump| {
-            let kept = self.jumps.kept(jump, x.as_slice())?;
-            Some((jump, self.jumps.when(jump, t, components(&x)) - kept))
-        })
+    pub(super) fn kept(&self, at: Timed<N>) -> impl Iterator<Item = (usize, f64)> {
+        kept(self.jumps, at)
     }
 
     /// The jumps that put a state on the stops that carry there.
@@ -100,9 +97,8 @@ where
     /// [`Error::OffStop`] where more is off than errors within the tolerance may move it.
     pub(super) fn settled(&self, at: Timed<N>, options: &Options) -> Result<Timed<N>, Error> {
         for (jump, off) in self.kept(at) {
-            let (slopes, _) = self.gradient(|t, x| self.jumps.when(jump, t, x), &at);
-            let error = at.x.map(|x| options.atol + options.rtol * x.abs());
-            if off.abs() > TOLERATED * slopes.abs().dot(&error) {
+            let allowed = allowed(self.jumps, jump, &at, (self.states, options));
+            if off.abs() > TOLERATED * allowed {
                 return Err(Error::OffStop {
                     number: self.contacts + jump,
                     off,
@@ -116,15 +112,13 @@ where
 
     /// A moment on the stops that carry there, by their landings.
     pub(super) fn landed(&self, at: Timed<N>) -> Timed<N> {
-        let Timed { t, x } = at;
-        let landed = |x: State<N>, landing| self.jumps.set(landing, t, components(&x)).into();
-        let is_off = self.kept(at).any(|(_, off)| off != 0.0);
-        let x = if is_off {
-            self.landings(at).fold(x, landed)
-        } else {
-            x
-        };
-        Timed { t, x }
+        match self.kept(at).any(|(_, off)| off != 0.0) {
+            true => Timed {
+                x: landed(self.jumps, at),
+                ..at
+            },
+            false => at,
+        }
     }
 
     /// The moment that stops admit next to one: on those that carry, and in front of the others, as
