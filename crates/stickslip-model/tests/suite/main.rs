@@ -32,4 +32,5 @@ mod sizes;
 mod special_orbits;
 mod stops;
 mod stops_in_analyses;
+mod stops_with_friction;
 mod tape;

@@ -116,6 +116,8 @@ pub struct PileUpDetector<const N: usize, K> {
     /// Extent of the motion since the last transition: the largest distance of a component from its
     /// value there, in tolerances; 0 if it is rounding.
     extent: f64,
+    /// That extent before the last step.
+    before_step: f64,
     /// Whether a phase was resolved.
     has_moved: bool,
     /// Number of unresolved phases in a row over which the motion shrinks, and whether time moves
@@ -216,6 +218,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         PileUpDetector {
             burst: Burst::new(),
             extent: 0.0,
+            before_step: 0.0,
             has_moved: false,
             unresolved: 0,
             is_driven: false,
@@ -256,6 +259,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     #[inline]
     pub(crate) fn follow<const G: usize>(&mut self, run: &StepState<N, G>) {
         let ((start, end), options) = (&run.last, &run.options);
+        self.before_step = self.extent;
         let from = self.nth_last(0).at.x;
         let reached = |extent: f64, (i, x): (usize, f64)| {
             let (moved, size) = ((x - from[i]).abs(), from[i].abs());
@@ -276,6 +280,12 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             let bounds = ranges.flat_map(|(i, range)| [(i, range.low), (i, range.high)]);
             self.extent = bounds.fold(self.extent, reached);
         }
+    }
+
+    /// Follows the motion over the last step anew, which a jump has cut.
+    pub(crate) fn follow_cut<const G: usize>(&mut self, run: &StepState<N, G>) {
+        self.extent = self.before_step;
+        self.follow(run);
     }
 
     /// Records a transition of a contact into the mode `to`; `is_driven` tells whether time alone
@@ -426,7 +436,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         let now = at(0);
         let by_rounding = time_rounding(now.t) * (1.0 + 2.0 / ((1.0 - ratio) * (1.0 - ratio)));
         let uncertainty = (left - d0 * rounds_left(before)).abs() + by_rounding;
-        let is_behind = now.t + left + uncertainty >= self.nth_last(0).at.t;
+        let is_behind = now.t + left + uncertainty >= self.last_resolved();
         if uncertainty > SERIES_AGREEMENT * left || !is_behind {
             return None;
         }
@@ -449,6 +459,15 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             ratio: crate::math::pow(ratio, 1.0 / round as f64),
             contacts: self.contacts(round),
         })
+    }
+
+    /// Time of the last transition to which the motion is larger than the tolerance. What follows it
+    /// within the tolerance contradicts no limit.
+    fn last_resolved(&self) -> f64 {
+        let all = (0..self.recorded()).map(|back| self.nth_last(back));
+        let last = all.clone().find(|one| one.extent >= 1.0);
+        let last = last.or(all.last());
+        last.map_or(f64::NEG_INFINITY, |one| one.at.t)
     }
 
     /// The mode after the present transition at time `t`, as recorded. If it is not recorded yet:

@@ -17,6 +17,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
     pub(crate) fn stop_at(&mut self, at: Timed<N>) {
         self.run.at = at;
         self.run.last.1 = at;
+        self.pile_up.follow_cut(&self.run);
         self.due = Due::PhaseEnd(Ending::Stopped);
     }
 
