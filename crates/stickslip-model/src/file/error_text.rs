@@ -38,6 +38,16 @@ pub trait Interface {
             _ => contact.to_string(),
         };
         let at = |t: &f64, x: &Point| format!("at t = {}, x = {x}", readable(*t));
+        if let Error::StartOutsideDomain { t, x, .. }
+        | Error::NonFinite { t, x, .. }
+        | Error::StepCollapse { t, x, .. } = error
+            && let Some(why) = system.and_then(|system| system.without_reaction(*t, &x.0))
+        {
+            return format!(
+                "the orbit cannot go on {}: {why}; lower that friction, or end the run before",
+                at(t, x)
+            );
+        }
         match error {
             Error::Option { name, value, bound } => format!(
                 "{} is not allowed: it must be {bound}",

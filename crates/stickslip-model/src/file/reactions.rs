@@ -1,6 +1,7 @@
 //! Reactions of stops along an orbit, their impulses, and formulas that have them.
 
 use stickslip::dynamics::Modes;
+use stickslip::error::readable;
 use stickslip::scalar::Dual;
 use stickslip::{Mode, Side};
 
@@ -9,7 +10,11 @@ use super::builder::{Builder, Inputs, Scope};
 use super::problem::Problem;
 use super::{FileError, Formula, Source, System, stops};
 use crate::expression::{Graph, Id, Tape};
-use crate::kernel::{Combination, HELD_PER_INPUT};
+use crate::kernel::{Combination, HELD_PER_INPUT, sides_to_check};
+
+/// A reaction that friction leaves less than this part of its effect on its gap has no finite
+/// value. Chosen: a run that ends where the effect vanishes comes nearer than that.
+const NO_EFFECT: f64 = 1e-6;
 
 /// The reactions of the stops of a system, and formulas of states, parameters, inputs, time and
 /// these reactions, at any moment of an orbit.
@@ -87,6 +92,38 @@ impl System {
         let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
         let roots = stops::reactions(&self.file, inputs, &mut graph, of).ok()?;
         tape(&self.file, &graph, &roots, inputs).ok()
+    }
+
+    /// Why a stop that carries at a state has no finite reaction there, in words: on some sides of
+    /// the contacts, the friction that follows the reaction undoes its effect on the gap. `None` if
+    /// all reactions are finite.
+    pub(super) fn without_reaction(&self, t: f64, x: &[f64]) -> Option<String> {
+        let file = &self.file;
+        if file.stops.is_empty() || x.len() != self.states() {
+            return None;
+        }
+        let extended = self.built.switching.extended(t, x);
+        sides_to_check(self.contacts()).into_iter().find_map(|above| {
+            let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
+            let of = Combination { above, held: 0 };
+            let roots = stops::openings(file, inputs, &mut graph, of).ok()?;
+            let tape = tape(file, &graph, &roots.concat(), inputs).ok()?;
+            let mut values = vec![0.0; 2 * roots.len()];
+            tape.evaluate(t, &extended, &mut values);
+            let all = file.stops.iter().zip(values.chunks_exact(2));
+            let mut carrying = all.filter(|(stop, _)| x[stop.closed] > 0.5);
+            let (stop, values) =
+                carrying.find(|(_, values)| values[0] <= NO_EFFECT * values[1])?;
+            Some(format!(
+                "no motion in contact is consistent there, or several are (Painlevé): a unit of \
+                 the reaction of the stop `{}` changes the second derivative of its gap by {}, \
+                 and by {} with the friction that follows it",
+                stop.name,
+                readable(values[1]),
+                // Where it vanishes, rounding is left.
+                readable(if values[0].abs() <= NO_EFFECT * values[1] { 0.0 } else { values[0] }),
+            ))
+        })
     }
 
     /// Impulses of all stops at a transition of a contact or jump with this number, from the state

@@ -391,6 +391,38 @@ fn a_rod_falls_on_its_tip_with_friction() {
     }
 }
 
+#[test]
+fn friction_that_undoes_a_reaction_ends_the_run_by_name() {
+    // A unit of the reaction opens the gap by 1 + 3 cos² th − 3 mu cos th sin th.
+    let (mu, tangent) = (1.5, 0.5 * (4.5 + (4.5_f64 * 4.5 - 16.0).sqrt()));
+    let exact = math::atan2(tangent, 1.0);
+    for method in METHODS {
+        for (start, from) in [("1.4", 1.4), ("pi - 1.4", PI - 1.4)] {
+            // It begins to slip against friction, or in its direction.
+            for speed in [-1.0, 1.0] {
+                let text = ROD
+                    .replace("sin(1.4)", &format!("sin({start})"))
+                    .replace("th = 1.4", &format!("th = \"{start}\""))
+                    .replace("u = 0", &format!("u = {speed}"));
+                let run = Run::of(with(&text, &[("mu", mu)]), &options(method), None);
+                let (_, x) = run.ended.as_ref().unwrap_err().place().unwrap();
+                let leant = x.0[2].min(PI - x.0[2]);
+                close(leant, exact, 1e-6, &format!("{method}, {from}, {speed}"));
+                let words = run.words();
+                assert!(
+                    words.contains("no motion in contact is consistent"),
+                    "{words}"
+                );
+                assert!(words.contains("the stop `floor`"), "{words}");
+            }
+        }
+        // Beyond that angle the rod cannot slide towards its upper end.
+        let text = ROD.replace("1.4", "1.2").replace("u = 0", "u = 1");
+        let run = Run::of(with(&text, &[("mu", mu)]), &options(method), None);
+        assert!(run.words().contains("(Painlevé)"), "{}", run.words());
+    }
+}
+
 /// The pressure relief valve of the benchmark of event-driven ensembles.
 #[test]
 fn a_valve_chatters_to_its_seat_and_lifts_off() {

@@ -379,6 +379,26 @@ pub(super) fn equations(
     Ok(found)
 }
 
+/// What a unit of each reaction adds to the second derivative of its own gap in one combination of
+/// sides: with the friction that follows it, and without.
+pub(in super::super) fn openings(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+    of: Combination,
+) -> Result<Vec<[Id; 2]>, Problem> {
+    let found = equations(file, inputs, graph, of)?;
+    let acts = acts(file, inputs, graph)?;
+    let mut openings = Vec::with_capacity(acts.len());
+    for (number, acts) in acts.iter().enumerate() {
+        let place = file.stops[number].place.clone();
+        let alone = derivative(graph, found.rates[number], push(acts));
+        let alone = alone.map_err(|error| no_number(error, place))?;
+        openings.push([found.coupling[number][number], alone]);
+    }
+    Ok(openings)
+}
+
 /// The reactions of the stops in one combination of sides: zero where a stop does not carry, not a
 /// number where a reaction cannot keep its gap closed.
 pub(in super::super) fn reactions(

@@ -11,7 +11,7 @@ mod equations;
 
 use equations::{Equations, acts, by_state, derivative, equations, push, ways};
 
-pub(super) use equations::reactions;
+pub(super) use equations::{openings, reactions};
 
 use super::build::tape;
 use super::builder::{Builder, Inputs, Scope, no_number};
