@@ -123,6 +123,14 @@ impl<T: Scalar> Dual3<T> {
     }
 }
 
+impl<T: Scalar> Dual3<T> {
+    /// Whether it is zero with all its derivatives.
+    fn stays_zero(self) -> bool {
+        let Dual3 { re, v1, v2, v3 } = self;
+        re.vanishes() && v1.vanishes() && v2.vanishes() && v3.vanishes()
+    }
+}
+
 impl<T: Scalar> Neg for Dual3<T> {
     type Output = Self;
     fn neg(self) -> Self {
@@ -292,12 +300,20 @@ impl<T: Scalar> Scalar for Dual<T> {
     }
     #[inline(always)]
     fn powf(self, p: f64) -> Self {
+        if self.re.vanishes() && self.eps.vanishes() {
+            return Dual::new(self.re.powf(p), T::zero());
+        }
         self.compose([self.re.powf(p), self.re.powf(p - 1.0) * p])
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
-        Dual::new(root, self.eps / (root * 2.0))
+        let eps = if root.vanishes() && self.eps.vanishes() {
+            T::zero()
+        } else {
+            self.eps / (root * 2.0)
+        };
+        Dual::new(root, eps)
     }
     #[inline(always)]
     fn exp(self) -> Self {
@@ -386,6 +402,10 @@ impl<T: Scalar> Scalar for Dual3<T> {
     }
     fn powf(self, p: f64) -> Self {
         let x = self.re;
+        if self.stays_zero() {
+            let zero = T::zero();
+            return Dual3::new(x.powf(p), zero, zero, zero);
+        }
         self.compose([
             x.powf(p),
             x.powf(p - 1.0) * p,
@@ -395,6 +415,10 @@ impl<T: Scalar> Scalar for Dual3<T> {
     }
     fn sqrt(self) -> Self {
         let root = self.re.sqrt();
+        if self.stays_zero() {
+            let zero = T::zero();
+            return Dual3::new(root, zero, zero, zero);
+        }
         let d1 = T::constant(0.5) / root;
         let d2 = -(d1 * 0.5) / self.re;
         let d3 = -(d2 * 1.5) / self.re;

@@ -220,6 +220,20 @@ pub enum Error {
         /// State there.
         x: Point,
     },
+    /// A contact is reached at whose boundary the field is a root of the distance, and which the
+    /// rules do not take: one of several, or one whose distance rounding does not leave at zero.
+    #[error(
+        "the field is a root of the distance from a boundary reached at t = {t}, x = {x}, as \
+            √|v| is: such a law is followed where its contact is the only one and its boundary is \
+            one state, or that less a constant; make the relative velocity a state of its own, or \
+            write a law with a finite slope at zero", t = readable(*t)
+    )]
+    RootAtBoundary {
+        /// Time at which the boundary is reached.
+        t: f64,
+        /// State there.
+        x: Point,
+    },
     /// The next step is below the rounding of times, and would not move the time.
     #[error(
         "a step of {step:e} does not move the time at t = {t}, x = {x}, since times there are \
@@ -521,6 +535,7 @@ impl Error {
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }
             | Error::NotLipschitz { t, x }
+            | Error::RootAtBoundary { t, x }
             | Error::TimeRounding { t, x, .. }
             | Error::TooMany { t, x, .. }
             | Error::Interrupted { t, x }

@@ -168,6 +168,11 @@ pub trait Scalar:
         }
         value(low, self)
     }
+    /// Whether its value is zero; of a series, at its start.
+    #[inline(always)]
+    fn vanishes(self) -> bool {
+        self.value() == 0.0
+    }
     /// The quotient, or the constant `otherwise` where `by` is zero.
     #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {

@@ -4,6 +4,7 @@ use super::guard::Event;
 use super::integration::{Due, Integration, Progress};
 use super::options::AtPileUp;
 use super::pile_up::GeometricSeries;
+use super::root_law::Reached;
 use super::switched::Switched;
 use crate::error::{ContactFault, Error};
 use crate::ode::{Dense, Timed};
@@ -28,12 +29,28 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             } => self.pile_up.series_of_contacts(t, contacts),
             _ => None,
         };
+        let has_collapsed = matches!(error, Error::StepCollapse { .. });
         if series.is_some() {
-            return self.resolve_pile_up(series);
+            let due = self.resolve_pile_up(series)?;
+            if has_collapsed {
+                // What follows has nothing to do with such steps.
+                self.run.h = 0.0;
+            }
+            return Ok(due);
         }
-        if let Error::StepCollapse { .. } | Error::TimeRounding { .. } = error
-            && let Some(guard) = self.system.guard_at_collapse(&self.run, self.mode)
-        {
+        let step = match error {
+            Error::StepCollapse { step, .. } | Error::TimeRounding { step, .. } => step,
+            _ => return Err(error),
+        };
+        let mut guard = self.system.guard_at_collapse(&self.run, self.mode);
+        if guard.is_none() {
+            let run = &self.run;
+            guard = (self.system).with_flow(self.mode, self.branch, Reached { run, step });
+            if guard.is_some() {
+                self.run.h = 0.0;
+            }
+        }
+        if let Some(guard) = guard {
             self.run.event = Some(Event {
                 guard,
                 at: self.run.at,

@@ -114,7 +114,7 @@ impl<const N: usize> ZeroKind<N> {
         if zero.bend > 0.0 && zero.rate * zero.rate <= 2.0 * depth * zero.bend {
             let turn = turning_point(guard, zero.s);
             // After a corner the guard may continue to fall, whatever its curvature before.
-            if turn.guard.abs() <= depth {
+            if turn.guard.abs() <= depth && !falls_on(zero, guard) {
                 return ZeroKind::classify_turn(turn, guard, depth);
             }
         }
@@ -130,6 +130,13 @@ impl<const N: usize> ZeroKind<N> {
             ZeroKind::Touch(turn)
         }
     }
+}
+
+/// Whether the guard falls on where its curvature tells that it rises again. At a root of the
+/// distance the curvature grows without bound, and the rate does not change.
+fn falls_on<const N: usize>(zero: &Probe<N>, guard: &dyn StepGuard<N>) -> bool {
+    let s = zero.s - 2.0 * zero.rate / (zero.bend * guard.length());
+    s < guard.probe_end() && guard.probe(s).rate <= 0.5 * zero.rate && zero.rate < 0.0
 }
 
 /// Minimum of the guard: a zero of its rate near the part `s` of the step, by Newton's iteration.

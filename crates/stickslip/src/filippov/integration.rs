@@ -6,6 +6,7 @@ use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
 use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
+use super::root_law::OntoRoot;
 use super::run::{StepState, Trial};
 use super::stepper::{Stepper, Work};
 use super::switched::{IsDriven, Next, Settled, StickingPoint, Switched, UseFlow};
@@ -74,6 +75,8 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) due: Due,
     /// Whether the next step is prepared.
     is_ready: bool,
+    /// Whether the next step is the first of a phase that begins at the zero of a guard.
+    leaves: bool,
     /// Whether the next step is the first that the end of the run shortens.
     pub(super) is_before_end: bool,
     /// Whether it goes on from another run.
@@ -205,6 +208,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             recordings: Recordings::default(),
             due: Due::Begin,
             is_ready: false,
+            leaves: false,
             is_before_end: false,
             is_resumed: false,
             contacts: S::CONTACTS,
@@ -292,6 +296,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             Due::Begin => {
                 self.land();
                 self.stepper.begin();
+                self.leaves = self.run.orders != [0; G] && !self.run.is_prescribed;
                 self.due = Due::Step;
             }
             Due::AfterStep => {
@@ -321,6 +326,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// Tries a step. Returns whether it was taken.
     #[inline(always)]
     fn advance(&mut self) -> Result<bool, Error> {
+        if std::mem::take(&mut self.leaves) && self.leave_by_root()? {
+            return Ok(true);
+        }
         self.due = match self.work(Work::Advance) {
             Ok(Trial::NoStep) => return Ok(false),
             Ok(Trial::BeforeEnd) => {
@@ -334,6 +342,33 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
                 return Ok(false);
             }
         };
+        self.last_mode = self.mode;
+        self.pile_up.follow(&self.run);
+        Ok(true)
+    }
+
+    /// The state on the boundary of a guard, if the field is a root of the distance there.
+    fn onto_root(&self, guard: usize) -> Result<Option<State<N>>, Error> {
+        let onto = OntoRoot {
+            run: &self.run,
+            guard,
+            is_followed: S::CONTACTS == 1,
+        };
+        self.system.with_flow(self.mode, self.branch, onto)
+    }
+
+    /// Takes the first step from a boundary at which the field is a root of the distance. Returns
+    /// whether it is one.
+    #[cold]
+    fn leave_by_root(&mut self) -> Result<bool, Error> {
+        for guard in (0..G).filter(|&guard| self.run.orders[guard] != 0) {
+            self.onto_root(guard)?;
+        }
+        let Trial::Step = self.work(Work::Leave)? else {
+            return Ok(false);
+        };
+        self.stepper.begin();
+        self.due = Due::AfterStep;
         self.last_mode = self.mode;
         self.pile_up.follow(&self.run);
         Ok(true)
@@ -406,6 +441,9 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
         let mut branch = self.branch;
         let Some(kind) = self.system.event_within_mode(guard, &mut branch) else {
+            if let Some(x) = self.onto_root(guard)? {
+                self.run.at.x = x;
+            }
             self.due = Due::Switch;
             return Ok(Progress::PhaseEnd(self.phase_so_far()));
         };

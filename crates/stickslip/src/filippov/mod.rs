@@ -18,6 +18,7 @@ mod options;
 mod pile_up;
 mod recordings;
 mod restart;
+mod root_law;
 mod rules;
 mod run;
 mod runge_kutta;

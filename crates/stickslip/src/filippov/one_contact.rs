@@ -224,6 +224,8 @@ fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> S
             &here,
             system.dimension(),
         );
+        // Across Σ the slope of a root of the distance is infinite. The way leads along Σ.
+        let slope = slope.map(|slope| if slope.is_finite() { slope } else { 0.0 });
         let x = components(&here.x);
         let rate = |side| normal_component(system, here.t, x, &system.holding(side, here.t, x));
         let (h, rate) = (

@@ -185,6 +185,30 @@ fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     (rate.eps, f)
 }
 
+/// The second Lie derivative where the first vanishes, of the motion along Σ. It is the same, but
+/// for a field that is a root of the distance from Σ: its slope across Σ is infinite.
+#[inline(never)]
+fn second_derivative_along<S: Filippov<N>, T: Scalar, const N: usize>(
+    system: &S,
+    side: Side,
+    t: T,
+    x: &[T; N],
+) -> (T, [T; N]) {
+    let f = system.field(side, t, x);
+    let rate = normal_component(system, t, x, &f);
+    let normal: [T; N] = std::array::from_fn(|i| {
+        let along = std::array::from_fn(|k| match k == i {
+            true => Dual::new(x[k], T::one()),
+            false => Dual::new(x[k], T::zero()),
+        });
+        system.boundary(Dual::new(t, T::zero()), &along).eps
+    });
+    let square = normal.iter().fold(T::zero(), |sum, &n| sum + n * n);
+    let flowing = std::array::from_fn(|i| Dual::new(x[i], f[i] - normal[i] * (rate / square)));
+    let rate = first_derivative(system, side, Dual::new(t, T::one()), &flowing).0;
+    (rate.eps, f)
+}
+
 /// A Lie derivative and its rounding, as in [`LieDerivatives`] but at a small part of the cost.
 /// `along` gives the derivative and the field.
 #[inline(always)]
@@ -203,6 +227,15 @@ fn one_derivative<const N: usize>(
     let mut next = derivative.eps;
     for direction in 0..dimension {
         let change = in_direction(direction).0.eps;
+        // The slope of a root of the distance is infinite on Σ, and its change over the slack is
+        // not.
+        if change.is_infinite() {
+            let mut there = *x;
+            there[direction] += slack;
+            let (t, x) = seeded(&Timed { t, x: there }, N);
+            shift += (along(t, &x).0.re - derivative.re).abs();
+            continue;
+        }
         spread += change.abs() * x[direction].abs();
         shift += change.abs() * slack;
         next += change * f[direction].re;
@@ -250,7 +283,12 @@ impl LeadingDerivative {
         let (n, at) = (system.dimension() as u64, (t, x, system.dimension()));
         let (first, (value, floor), calls) = if tangent {
             let along = |t, x: &_| second_derivative(system, side, t, x);
-            (2, one_derivative(at, slack, along), 2 * (n + 1))
+            let mut second = one_derivative(at, slack, along);
+            if !second.0.is_finite() {
+                let along = |t, x: &_| second_derivative_along(system, side, t, x);
+                second = one_derivative(at, slack, along);
+            }
+            (2, second, 2 * (n + 1))
         } else {
             let along = |t, x: &_| first_derivative(system, side, t, x);
             (1, one_derivative(at, slack, along), n + 1)

@@ -25,6 +25,8 @@ pub(crate) enum Work {
     Prepare,
     /// Try a step.
     Advance,
+    /// Leave a boundary at which the field is a root of the distance.
+    Leave,
     /// Complete the record of the last step.
     Complete,
 }
@@ -80,6 +82,7 @@ impl<const N: usize, const G: usize> Stepper<N, G> {
     ) -> Result<Trial, Error> {
         match (work, self) {
             (Work::RecordDepartures, _) => run.record_departures(flow),
+            (Work::Leave, _) => return Ok(run.leave_by_root(flow)),
             (Work::Prepare, Stepper::Taylor(series)) => series.prepare(run, flow),
             (Work::Prepare, _) => {}
             (Work::Complete, Stepper::Dop853(slopes)) => slopes.complete::<Dop853, F, G>(run, flow),

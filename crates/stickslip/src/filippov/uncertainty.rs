@@ -81,14 +81,35 @@ pub(crate) fn propagate<const N: usize, const G: usize>(
     // Direction N is time, which the tolerance does not affect.
     for direction in (0..dimension).chain([N]) {
         let (t, x) = seeded(at, direction);
-        for (blur, guard) in blurs.iter_mut().zip(guards(t, &x)) {
+        let here = guards(t, &x);
+        let size = if direction < N { at.x[direction] } else { at.t }.abs();
+        let error = match direction < N {
+            true => tolerance.atol + tolerance.rtol * size,
+            false => 0.0,
+        };
+        // The slope of a root at zero is infinite, and its change over the error is not.
+        let is_steep = |guard: &Dual<f64>| direction < N && guard.eps.is_infinite();
+        let behind = here.iter().any(is_steep).then(|| {
+            let mut there = *at;
+            there.x[direction] += error;
+            let (t, x) = seeded(&there, direction);
+            guards(t, &x)
+        });
+        for (i, (blur, guard)) in blurs.iter_mut().zip(&here).enumerate() {
             let slope = guard.eps.abs();
-            if direction < N {
-                let size = at.x[direction].abs();
-                blur.by_tolerance += slope * (tolerance.atol + tolerance.rtol * size);
-                blur.by_rounding += slope * size;
+            let steep = behind.filter(|_| is_steep(guard));
+            let change = steep.map_or(f64::INFINITY, |behind| (behind[i].re - guard.re).abs());
+            if is_steep(guard) {
+                blur.by_tolerance += change;
+                // Rounding of a state that is zero is none.
+                blur.by_rounding += if size == 0.0 {
+                    0.0
+                } else {
+                    change / STATE_ROUNDING
+                };
             } else {
-                blur.by_rounding += slope * at.t.abs();
+                blur.by_tolerance += slope * error;
+                blur.by_rounding += slope * size;
             }
         }
     }

@@ -153,7 +153,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
         }
         let root = sweep.next_row();
         let (inner, r0) = (sweep.convolution(root, root), sweep.at(root, 0));
-        sweep.result(lanes(|l| (newest[l] - inner[l]) / (2.0 * r0[l])))
+        sweep.result(lanes(|l| part(newest[l] - inner[l], 2.0 * r0[l])))
     }
 
     /// A real power.
@@ -172,7 +172,7 @@ impl<'a, const L: usize> Coefficient<'a, L> {
             sweep.convolution(self.row, of_power),
         );
         let (of_a, a0, y0) = (sweep.slope(a), self.first(), sweep.at(power, 0));
-        let newest = lanes(|l| (p * (up[l] + of_a[l] * y0[l]) - down[l]) / a0[l]);
+        let newest = lanes(|l| part(p * (up[l] + of_a[l] * y0[l]) - down[l], a0[l]));
         sweep.store_next(newest);
         sweep.result(sweep.integral(newest))
     }
@@ -182,6 +182,12 @@ impl<'a, const L: usize> Coefficient<'a, L> {
     fn store_slope(self) -> usize {
         self.sweep.store_next(self.sweep.slope(self.newest))
     }
+}
+
+/// A quotient that is zero where both are: a root, or a power, of zero stays zero.
+#[inline(always)]
+fn part(of: f64, by: f64) -> f64 {
+    if of == 0.0 && by == 0.0 { 0.0 } else { of / by }
 }
 
 /// The coefficient `newest` of functions with these values, or zero where they have overflowed. A
@@ -303,6 +309,10 @@ impl<const L: usize> Scalar for Jet<'_, L> {
         }
         self.choose(other, exceeds);
         exceeds
+    }
+    #[inline(always)]
+    fn vanishes(self) -> bool {
+        self.is_zero()
     }
     #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {

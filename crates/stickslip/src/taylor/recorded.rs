@@ -201,6 +201,10 @@ impl Scalar for Recorded<'_> {
         exceeds
     }
     #[inline(always)]
+    fn vanishes(self) -> bool {
+        self.number.is_zero()
+    }
+    #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
         if by.number.is_zero() {
             return Self::constant(otherwise);

@@ -22,6 +22,7 @@ mod lyapunov_equations;
 mod no_allocation;
 mod periodic;
 mod pulses;
+mod roots;
 mod sections;
 #[path = "../common/smooth.rs"]
 mod smooth;
