@@ -60,7 +60,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The other side.
+    /// The side across the boundary.
     pub fn opposite(self) -> Side {
         match self {
             Side::Below => Side::Above,

@@ -9,7 +9,7 @@ use stickslip::error::readable;
 /// refused there. Chosen: rounding of an argument is a millionth of it.
 const MARGIN: f64 = 1e-9;
 
-/// What a curve is between its points.
+/// Interpolation of a curve between its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// Straight lines.
@@ -19,7 +19,7 @@ pub enum Between {
     Monotone,
 }
 
-/// What a curve is beyond its first and last point.
+/// Continuation of a curve beyond its first and last point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beyond {
     /// The value at the end.
@@ -34,7 +34,7 @@ pub enum Beyond {
 /// A continuous function of one argument: a polynomial on each of its pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// Where one piece ends and the next begins.
+    /// Abscissas at which one piece ends and the next begins.
     cuts: Vec<f64>,
     /// One more than there are cuts.
     pieces: Vec<Polynomial>,
@@ -48,7 +48,7 @@ struct Polynomial {
     coefficients: [f64; 4],
 }
 
-/// Why points make no curve.
+/// Reason for which points make no curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoCurve {
     /// The fault.
@@ -160,7 +160,7 @@ impl Curve {
         Ok(Curve { cuts, pieces })
     }
 
-    /// Its value.
+    /// Value of the curve.
     pub fn of<T: Scalar>(&self, x: T) -> T {
         x.in_pieces(&self.cuts, |piece, x| match self.pieces.get(piece) {
             Some(polynomial) => polynomial.of(x),
@@ -168,7 +168,7 @@ impl Curve {
         })
     }
 
-    /// Its slope as a function, which has steps where lines meet.
+    /// Slope of the curve as a function, which has steps where lines meet.
     #[must_use]
     pub fn derivative(&self) -> Self {
         Curve {

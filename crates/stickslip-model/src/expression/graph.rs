@@ -30,7 +30,7 @@ pub struct NotANumber {
     pub value: f64,
 }
 
-/// How a number is computed. Constants are stored as bits, so that equal ones compare equal.
+/// Computation of a number. Constants are stored as bits, so that equal ones compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(u64),
@@ -369,12 +369,12 @@ impl Graph {
         self.find(exchanged).unwrap_or_else(|| self.add(node))
     }
 
-    /// For every index, whether the number is one of `roots` or an operand of them at any depth.
+    /// Marks, by index, the numbers that are one of `roots` or an operand of them at any depth.
     pub(super) fn used_by(&self, roots: &[Id]) -> Vec<bool> {
         self.reached(roots, Node::operands)
     }
 
-    /// As [`Graph::used_by`], through some of the operands.
+    /// Marks the numbers of [`Graph::used_by`], through some of the operands.
     fn reached(&self, roots: &[Id], operands: fn(Node) -> [Option<Id>; 2]) -> Vec<bool> {
         let mut is_used = vec![false; self.nodes.len()];
         for root in roots {

@@ -151,7 +151,7 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
         .collect()
 }
 
-/// What a formula of a section is called in messages.
+/// Name of a section's formula in messages.
 const SECTION: &str = "a section";
 
 /// The tape of a formula without sides, at a place of this name.

@@ -34,7 +34,7 @@ pub const MOST_FREE: usize = 16;
 /// Parameters that are states.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Freed {
-    /// In order of these states.
+    /// Indices of the parameters, in order of these states.
     pub parameters: [Option<usize>; MOST_FREE],
     /// Whether time is scaled so that a period that depends on them stays what it is.
     pub scales_time: bool,
@@ -47,7 +47,7 @@ pub(crate) const NONE_FREE: Freed = Freed {
 };
 
 impl Freed {
-    /// These parameters; the first [`MOST_FREE`] of them.
+    /// Frees the first [`MOST_FREE`] of these parameters.
     pub fn of(parameters: &[usize], scales_time: bool) -> Self {
         let mut freed = Freed {
             scales_time,
@@ -59,7 +59,7 @@ impl Freed {
         freed
     }
 
-    /// Their number.
+    /// Number of free parameters.
     pub fn count(&self) -> usize {
         self.parameters.iter().flatten().count()
     }
@@ -659,7 +659,7 @@ impl<'a> Builder<'a> {
         made.map_err(|error| self.not_finite(error, formula, place, &operands))
     }
 
-    /// One of two expressions, by the sign of a third.
+    /// Adds the choice of one of two expressions, by the sign of a third.
     fn choice(
         &mut self,
         formula: &Formula,

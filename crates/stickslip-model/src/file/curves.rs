@@ -62,7 +62,7 @@ pub(super) fn read(
     })
 }
 
-/// One of several words; the default if there is none.
+/// Reads one of several words; the default if there is none.
 fn choice<T: Copy + Default>(
     entry: Option<Entry<'_>>,
     place: &str,

@@ -240,7 +240,7 @@ pub struct StopEntry {
     pub name: String,
     /// The gap, positive in flight.
     pub gap: Formula,
-    /// What a unit of the reaction adds to the rate of each state.
+    /// Part of a unit of the reaction in the rate of each state.
     pub acts: Vec<Option<Formula>>,
     /// Part of the approach speed that an impact gives back. `approach` in it is that speed.
     pub restitution: Formula,
@@ -341,7 +341,7 @@ pub struct SectionEntry {
     pub direction: Direction,
 }
 
-/// Why a file cannot be used.
+/// Reason for which a file cannot be used.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum FileError {
     /// The file cannot be read.

@@ -15,7 +15,7 @@ use crate::kernel::{Combination, HELD_PER_INPUT};
 /// these reactions, at any moment of an orbit.
 pub struct Quantities<'a> {
     system: &'a System,
-    /// Their names: the reactions first.
+    /// Names of reactions and formulas: the reactions first.
     names: Vec<String>,
     /// The reactions in those combinations of sides that have occurred. Only one is needed where
     /// they do not depend on sides.

@@ -94,7 +94,7 @@ struct Equations {
     rates: Vec<Id>,
     /// The second derivatives of the gaps without reactions.
     free: Vec<Id>,
-    /// What each reaction adds to the second derivative of each gap.
+    /// Part of each reaction in the second derivative of each gap.
     coupling: Vec<Vec<Id>>,
     /// The field without reactions.
     field: Vec<Id>,
@@ -410,7 +410,7 @@ pub(super) fn built(
     Ok(Events { when, impacts })
 }
 
-/// What a unit of each reaction adds to the rates, by stop and state.
+/// Part of a unit of each reaction in the rates, by stop and state.
 fn acts(
     file: &SystemFile,
     inputs: Inputs<'_>,

@@ -49,7 +49,7 @@ pub struct System {
     interrupt: Option<Arc<Interrupt>>,
 }
 
-/// Why attractors of a time-dependent system cannot be computed.
+/// Reason for which attractors of a time-dependent system cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodError {
     /// No period is given.
@@ -68,10 +68,10 @@ pub enum PeriodError {
     },
 }
 
-/// Why a parameter cannot be set.
+/// Reason for which a parameter cannot be set.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SettingError {
-    /// There is no parameter of this name.
+    /// No parameter has this name.
     #[error("there is no parameter `{name}`; {help}")]
     Unknown {
         /// Name given.

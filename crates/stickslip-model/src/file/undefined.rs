@@ -1,4 +1,4 @@
-//! Which part of a formula is not a number at a state.
+//! Search for the part of a formula that is not a number at a state.
 
 use stickslip::Scalar;
 
@@ -8,8 +8,8 @@ use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::{Combination, sides_to_check};
 
-/// How far ahead of a state an undefined part is looked for, relative to the size of the state.
-/// Chosen: a run stops at a billionth of the range of a curve behind its end.
+/// Distance ahead of a state at which an undefined part is looked for, relative to the size of the
+/// state. Chosen: a run stops at a billionth of the range of a curve behind its end.
 const AHEAD: f64 = 1e-6;
 
 /// Largest normal force that vanishes beside a friction, as a part of that. Chosen: friction that
@@ -42,7 +42,8 @@ impl System {
         })
     }
 
-    /// As [`System::undefined_in_field`], a little ahead of a state along the motion.
+    /// Finds the part of [`System::undefined_in_field`], a little ahead of a state along the
+    /// motion.
     pub(super) fn undefined_ahead(&self, t: f64, x: &[f64]) -> Option<String> {
         if x.len() != self.states() {
             return None;
@@ -182,7 +183,7 @@ impl<'a> Evaluation<'a> {
         self.first_part(formulas.map(|(key, formula)| (key, formula, &formula.tree)))
     }
 
-    /// As [`Evaluation::first`], of some parts of formulas.
+    /// Finds the part of [`Evaluation::first`] among some parts of formulas.
     fn first_part(&self, wholes: impl Iterator<Item = Part<'a>>) -> Option<String> {
         let (mut part, mut value) = self.undefined(wholes)?;
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {

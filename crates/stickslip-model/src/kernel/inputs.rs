@@ -234,7 +234,7 @@ pub struct Jump {
     pub when: Tape,
     /// Direction of the sign change.
     pub direction: Direction,
-    /// Its condition; `None` if it always happens.
+    /// Condition of the jump; `None` if it always happens.
     pub condition: Option<Condition>,
     /// The states after the jump.
     pub set: Map,
@@ -249,9 +249,9 @@ pub struct Jump {
 pub struct Condition {
     /// The comparisons and how they are joined.
     pub test: expression::Condition,
-    /// For each comparison in order, how much larger the number is that is asked to be larger.
+    /// Lead of the number that is asked to be larger, for each comparison in order.
     pub leads: Tape,
-    /// How many comparisons there are.
+    /// Number of comparisons.
     pub count: usize,
 }
 
@@ -284,7 +284,7 @@ fn judged(test: &expression::Condition, leads: &mut impl Iterator<Item = f64>) -
     }
 }
 
-/// What a jump sets.
+/// Map of the states by a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Map {
     /// Expressions for the states.

@@ -96,7 +96,7 @@ pub struct LineResults {
     pub rates: Vec<(f64, [f64; 2])>,
 }
 
-/// Which fields to evaluate.
+/// Choice of the fields to evaluate.
 #[derive(Clone, Copy)]
 enum Fields {
     Slip,
@@ -106,9 +106,9 @@ enum Fields {
 /// Difference of the rate of the boundary function between the field above and the field below.
 /// Friction makes it negative.
 pub struct RateJumps {
-    /// In slip.
+    /// Difference in slip.
     pub slip: f64,
-    /// While the contact holds.
+    /// Difference while the contact holds.
     pub holding: f64,
     /// Rounding error of the rates.
     pub rounding: f64,

@@ -46,7 +46,7 @@ pub struct OrbitDerivatives {
     pub transitions: Vec<EventDerivatives>,
     /// Derivatives at each passage of a section, with the section's index.
     pub passages: Vec<(usize, EventDerivatives)>,
-    /// Why, and from when on, the flow has no derivative; or the error that ended the run.
+    /// Loss of the flow's derivative, with its time and reason; or the error that ended the run.
     pub lost: Option<Error>,
 }
 

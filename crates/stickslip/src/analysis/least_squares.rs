@@ -39,7 +39,7 @@ pub struct Residuals<P> {
     pub constraints: usize,
 }
 
-/// What large residuals weigh; a scale is in units of the standard deviation.
+/// Loss function: the weight of large residuals. A scale is in units of the standard deviation.
 ///
 /// The cost of a residual `r` is `c² ρ((r/c)²)/2` with the scale `c` (Triggs et al., *Vision
 /// Algorithms*, 1999, 298).
@@ -104,7 +104,7 @@ pub struct LeastSquaresSettings {
     pub most_evaluations: usize,
 }
 
-/// Why the search ended.
+/// Reason for the end of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeastSquaresEnd {
     /// The cost no longer decreases.
@@ -130,7 +130,7 @@ pub struct LeastSquares<P> {
     pub at: Residuals<P>,
     /// Half the weighted sum of squares.
     pub cost: f64,
-    /// Why the search ended.
+    /// Reason for the end of the search.
     pub end: LeastSquaresEnd,
     /// Steps taken.
     pub steps: usize,

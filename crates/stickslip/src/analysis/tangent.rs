@@ -67,7 +67,7 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
-    /// The same with so small an error that pieces of a step are halved at least once more: the
+    /// The flow with so small an error that pieces of a step are halved at least once more: the
     /// error estimate of order 8 falls by 256.
     pub(crate) fn finer(mut self) -> Self {
         const TOLERANCE_PART: f64 = 1.0 / 512.0;

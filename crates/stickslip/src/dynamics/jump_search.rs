@@ -19,7 +19,7 @@ use crate::system::{State, components};
 #[derive(Clone, Copy)]
 struct Due {
     number: usize,
-    /// What location leaves of the zero of its function, at which a step was cut.
+    /// Remainder of the zero of its function, at which location cut a step.
     left: f64,
     /// Whether its function came back before it had left its last zero.
     is_unresolved: bool,
@@ -508,7 +508,7 @@ where
         }
     }
 
-    /// Where rounding hides the flight before an impact, the body stays on its stop, even if the
+    /// Holds the body on its stop where rounding hides the flight before an impact, even if the
     /// reaction pulls by as little. It lifts off once the reaction has pushed.
     fn hold_down(&mut self, impact: usize, at: &Timed<N>) {
         for number in 0..self.counts.len() {
@@ -519,8 +519,8 @@ where
         }
     }
 
-    /// What a jump's function is just after it: at zero, up to what was `left` of it before, or
-    /// not.
+    /// Notes the sign of a jump's function just after the jump: zero, up to what was `left` of it
+    /// before, or a side.
     fn leave_zero(&mut self, number: usize, left: f64, integration: &Integration<'a, S, N, G>) {
         let at = Timed {
             t: integration.t(),

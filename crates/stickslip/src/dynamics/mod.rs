@@ -173,7 +173,7 @@ pub enum Section {
     Own(usize),
 }
 
-/// What a listener of many orbits needs of their steps.
+/// Needs of a listener of many orbits at every step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watching<'a> {
     /// Sections whose passages are reported, each by its index.
@@ -320,8 +320,8 @@ pub trait Dynamics: Send + Sync {
 }
 
 impl dyn Dynamics + '_ {
-    /// Which of the events of a cycle are impacts that accumulate before a landing. Their number is
-    /// that of the rounding, so that they count as part of the phase that the landing ends. The
+    /// Marks the events of a cycle that are impacts that accumulate before a landing. Their number
+    /// is that of the rounding, so that they count as part of the phase that the landing ends. The
     /// jump of each event is given, counted after the contacts.
     pub fn accumulating(&self, jumps: &[Option<usize>]) -> Vec<bool> {
         let count = jumps.len();
@@ -358,8 +358,8 @@ pub trait OrbitUnderWay {
     /// Keeps what another run needs to go on from the end of this one.
     fn remember(&mut self);
 
-    /// What another run needs to go on from the end of this one: after [`OrbitUnderWay::remember`]
-    /// before the first step, if this run has reached its end time.
+    /// Memory from which another run goes on from the end of this one: after
+    /// [`OrbitUnderWay::remember`] before the first step, if this run has reached its end time.
     fn memory(&self) -> Option<RunMemory>;
 
     /// Present time.

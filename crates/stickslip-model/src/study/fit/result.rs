@@ -1,4 +1,4 @@
-//! What a fit reports of a minimum.
+//! Results of a fit for one minimum.
 
 use stickslip::analysis::LeastSquares;
 
@@ -93,7 +93,7 @@ impl Problem<'_> {
         }
     }
 
-    /// What was modelled in parts, by records.
+    /// Joins the values of parts to those of records.
     fn joined(&self, at: Modelled) -> Modelled {
         let Some(parts) = &self.parts else {
             return at;

@@ -23,7 +23,8 @@ const DOUBTFUL: f64 = 0.3;
 /// Uncertainties of a fit, from the singular values of its derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// Of each unknown: none on a bound, where the data do not determine it, or for [`Self::none`].
+    /// Standard error of each unknown: none on a bound, where the data do not determine it, or for
+    /// [`Self::none`]. none on a bound, where the data do not determine it, or for [`Self::none`].
     pub std_errors: Vec<Option<f64>>,
     /// Covariances of the unknowns; NaN where there are none.
     pub covariance: Matrix,
@@ -32,7 +33,7 @@ pub struct Uncertainty {
     /// Combinations that the data do not determine: for each unknown its part, relative to its
     /// value, of which the largest is 1.
     pub undetermined: Vec<Vec<(String, f64)>>,
-    /// Why there is no standard error at all.
+    /// Reason for which there is no standard error at all.
     pub none: Option<&'static str>,
     /// Distance of the residuals from the linear model within one standard error, relative to
     /// their change; none where only rounding is left.

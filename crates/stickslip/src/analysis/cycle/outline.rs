@@ -78,7 +78,7 @@ pub(crate) struct Segment {
     pub kind: SegmentKind,
 }
 
-/// What a segment covers.
+/// Part of an orbit that a segment covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SegmentKind {

@@ -19,7 +19,7 @@ pub struct Growth {
     /// Start of the block under way: time since measuring began, and sums there.
     block_start: (f64, Vec<f64>),
     next_block: usize,
-    /// For each vector its rates in the completed blocks.
+    /// Rates of each vector in the completed blocks.
     rates: Vec<Vec<f64>>,
     running: Vec<Running>,
 }
@@ -42,8 +42,8 @@ impl Growth {
         }
     }
 
-    /// At the end of every step. A contribution of a transition at the same time belongs to the
-    /// next block.
+    /// Ends a block or sample that is complete; called at the end of every step. A contribution of
+    /// a transition at the same time belongs to the next block.
     pub fn tick(&mut self, t: f64) {
         let elapsed = t - self.begin;
         if elapsed >= self.next_block as f64 * self.block_length {

@@ -425,7 +425,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
     }
 
-    /// What a contact at its limit has none of: `w (1 − w)` of a holding contact, at most 1/4.
+    /// Reserve of a holding contact, `w (1 − w)`: at most 1/4, and 0 at its limit.
     pub(super) fn reserve<const N: usize>(&self, contact: usize, t: f64, x: &State<N>) -> f64
     where
         S: Contacts<N, M>,

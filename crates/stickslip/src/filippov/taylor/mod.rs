@@ -286,8 +286,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// What the next step depends on besides the state of the run: its scale, the rounding
-    /// remainder and the length of a tied step.
+    /// Memory of the next step besides the state of the run: its scale, the rounding remainder and
+    /// the length of a tied step.
     pub(super) fn memory(&self) -> (f64, &Timed<N>, f64) {
         (self.scale, &self.remainder, self.tie_step)
     }

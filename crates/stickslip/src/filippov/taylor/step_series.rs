@@ -64,7 +64,8 @@ impl<const N: usize> StepSeries<N> {
         self.moved(s, &rise)
     }
 
-    /// The same from `rise`: the sum of the series without its first coefficient, divided by `s`.
+    /// Time and state at `s`, and their rounding remainders, from `rise`: the sum of the series
+    /// without its first coefficient, divided by `s`.
     #[inline(always)]
     pub(super) fn moved(&self, s: f64, rise: &State<N>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut remainder) = (origin(), origin());
