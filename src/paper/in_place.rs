@@ -14,7 +14,7 @@ use stickslip::{Filippov, Mode, Side, State};
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
 
-/// Why the scheme cannot go on.
+/// Reason for which the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakdown {
     /// A component exceeded the bound.

@@ -32,7 +32,7 @@ pub enum Fate {
 pub(crate) struct Departure {
     pub fate: Fate,
     /// Number of derivatives, from the value on, of every guard of the next mode that vanish at the
-    /// start. It is 0 away from zero, 1 where the motion leaves Σ across, and 2 where it leaves from a
+    /// start. It is 0 away from zero, 1 where the motion leaves Σ across, 2 where it leaves from a
     /// tangent point.
     pub orders: [usize; GUARDS],
 }

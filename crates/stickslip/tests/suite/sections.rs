@@ -18,7 +18,7 @@ use crate::compiled::Compiled;
 use crate::den_hartog::DenHartog;
 use crate::solver::systems::{Floor, decaying_friction};
 
-/// One of several event functions, so that the search is compiled once for all of them.
+/// Choice of one event function, so that the search is compiled once for all of them.
 #[derive(Clone, Copy)]
 pub enum Function {
     /// A component of the state minus a level.
@@ -27,7 +27,7 @@ pub enum Function {
     Wave(f64),
     /// `sin (ω x + 0.1)` of the first component, with this ω.
     Fine(f64),
-    /// It falls through zero at this time, with a narrow bump 0.2 later.
+    /// A fall through zero at this time, with a narrow bump 0.2 later.
     Bump(f64),
 }
 
