@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::curve::Curve;
+use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::tree::Binary;
 use stickslip::math;
@@ -94,7 +94,7 @@ impl Node {
 pub struct Graph {
     nodes: Vec<Node>,
     ids: FxHashMap<Node, Id>,
-    curves: Vec<Arc<Curve>>,
+    curves: Vec<Arc<PiecewisePolynomial>>,
 }
 
 type NodeResult = Result<Id, NotANumber>;
@@ -276,7 +276,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn curve(&mut self, curve: &Arc<Curve>, a: Id) -> NodeResult {
+    pub fn curve(&mut self, curve: &Arc<PiecewisePolynomial>, a: Id) -> NodeResult {
         if let Some(a) = self.value(a) {
             return self.constant(curve.of(a));
         }
@@ -290,7 +290,7 @@ impl Graph {
     }
 
     /// The curves that numbers of the graph are computed by.
-    pub(super) fn curves(&self) -> &[Arc<Curve>] {
+    pub(super) fn curves(&self) -> &[Arc<PiecewisePolynomial>] {
         &self.curves
     }
 

@@ -13,7 +13,7 @@ use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::table::{Entry, Table};
 use super::{Formula, JumpEntry, StateEntry, StopEntry, StopEvent, SystemFile};
-use crate::expression::{Binary, Function, Graph, Id, NotANumber, Variable};
+use crate::expression::{Binary, Function, Graph, GraphInput, Id, NotANumber};
 use crate::kernel::{Combination, HELD_PER_INPUT, Impacts};
 
 /// Most stops of a file. Chosen: an impact tries all sets of those that touch.
@@ -88,7 +88,7 @@ pub(super) fn events(stops: &[StopEntry], states: usize) -> impl Iterator<Item =
 }
 
 /// The equations of the stops in one combination of sides.
-struct Equations {
+struct StopEquations {
     /// The gaps, and their rates without reactions.
     gaps: Vec<Id>,
     rates: Vec<Id>,
@@ -104,7 +104,7 @@ struct Equations {
 fn derivative(
     graph: &mut Graph,
     root: Id,
-    direction: impl Fn(Variable) -> Option<Id>,
+    direction: impl Fn(GraphInput) -> Option<Id>,
 ) -> Result<Id, NotANumber> {
     match graph.along(root, direction)? {
         Some(derivative) => Ok(derivative),
@@ -113,18 +113,18 @@ fn derivative(
 }
 
 /// The direction of motion with these rates of the states.
-fn motion(rates: &[Id], one: Id) -> impl Fn(Variable) -> Option<Id> {
+fn motion(rates: &[Id], one: Id) -> impl Fn(GraphInput) -> Option<Id> {
     move |of| match of {
-        Variable::Time => Some(one),
-        Variable::State(number) => rates.get(number).copied(),
+        GraphInput::Time => Some(one),
+        GraphInput::State(number) => rates.get(number).copied(),
     }
 }
 
 /// The direction that a unit of a reaction pushes the rates to.
-fn push(acts: &[Option<Id>]) -> impl Fn(Variable) -> Option<Id> {
+fn push(acts: &[Option<Id>]) -> impl Fn(GraphInput) -> Option<Id> {
     move |of| match of {
-        Variable::Time => None,
-        Variable::State(number) => acts.get(number).copied().flatten(),
+        GraphInput::Time => None,
+        GraphInput::State(number) => acts.get(number).copied().flatten(),
     }
 }
 
@@ -134,7 +134,7 @@ fn equations(
     inputs: Inputs<'_>,
     graph: &mut Graph,
     of: Combination,
-) -> Result<Equations, Problem> {
+) -> Result<StopEquations, Problem> {
     let moving = file.states.len() + inputs.count_free();
     let first = moving + HELD_PER_INPUT * file.inputs.len();
     let count = file.stops.len();
@@ -151,7 +151,7 @@ fn equations(
     let mut builder = Builder::new(file, inputs, graph, Scope::Sides(of));
     let with = builder.field_with(&unknown)?;
     let field = builder.field_with(&vec![zero; count])?;
-    let mut found = Equations {
+    let mut found = StopEquations {
         gaps: Vec::new(),
         rates: Vec::new(),
         free: Vec::new(),
@@ -195,7 +195,7 @@ fn equations(
         let free = derivative(graph, rate, motion(&found.field, one)).map_err(&wrong)?;
         let mut row = Vec::with_capacity(count);
         for number in 0..count {
-            let only = |of| (of == Variable::State(first + number)).then_some(one);
+            let only = |of| (of == GraphInput::State(first + number)).then_some(one);
             row.push(derivative(graph, bent, only).map_err(&wrong)?);
         }
         if row
@@ -252,7 +252,7 @@ pub(super) fn reactions(
 fn solved(
     file: &SystemFile,
     graph: &mut Graph,
-    equations: &Equations,
+    equations: &StopEquations,
 ) -> Result<Vec<Id>, NotANumber> {
     let count = file.stops.len();
     let closed: Vec<Id> = file
@@ -431,7 +431,7 @@ fn acts(
 /// gap by one.
 fn ways(
     graph: &mut Graph,
-    (number, equations, acts): (usize, &Equations, &[Option<Id>]),
+    (number, equations, acts): (usize, &StopEquations, &[Option<Id>]),
 ) -> Result<Vec<Option<Id>>, NotANumber> {
     let mut ways = Vec::with_capacity(equations.field.len());
     for &field in &equations.field {
@@ -454,7 +454,7 @@ fn size(graph: &mut Graph, of: Id, states: usize) -> Result<Id, NotANumber> {
     let mut size = graph.constant(0.0)?;
     let one = graph.constant(1.0)?;
     for state in 0..states {
-        let only = |variable| (variable == Variable::State(state)).then_some(one);
+        let only = |variable| (variable == GraphInput::State(state)).then_some(one);
         if let Some(slope) = graph.along(of, only)? {
             let value = graph.state(state);
             let part = graph.binary(Binary::Product, slope, value)?;
@@ -470,7 +470,7 @@ fn impacts(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
-    (equations, acts): (&Equations, &[Vec<Option<Id>>]),
+    (equations, acts): (&StopEquations, &[Vec<Option<Id>>]),
 ) -> Result<Impacts, Problem> {
     let states = file.states.len();
     let mut roots = Vec::new();

@@ -125,7 +125,7 @@ impl System {
             .iter()
             .flatten()
             .map(|formula| (key("set"), formula));
-        let mut conditions: Vec<Part<'_>> = Vec::new();
+        let mut conditions: Vec<FormulaPart<'_>> = Vec::new();
         if let Some(formula) = &jump.condition {
             let numbers = operands(&formula.tree).into_iter();
             conditions.extend(numbers.map(|number| (key("if"), formula, number)));
@@ -184,7 +184,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Finds the part of [`Evaluation::first`] among some parts of formulas.
-    fn first_part(&self, wholes: impl Iterator<Item = Part<'a>>) -> Option<String> {
+    fn first_part(&self, wholes: impl Iterator<Item = FormulaPart<'a>>) -> Option<String> {
         let (mut part, mut value) = self.undefined(wholes)?;
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
             (part, value) = inner;
@@ -217,7 +217,10 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The first of some parts that is undefined, and its value.
-    fn undefined(&self, mut parts: impl Iterator<Item = Part<'a>>) -> Option<(Part<'a>, f64)> {
+    fn undefined(
+        &self,
+        mut parts: impl Iterator<Item = FormulaPart<'a>>,
+    ) -> Option<(FormulaPart<'a>, f64)> {
         parts.find_map(|part| {
             let value = self.value(part.1, part.2)?;
             (!value.is_finite()).then_some((part, value))
@@ -225,7 +228,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Components of a part: a definition, the laws of a contact, or operands.
-    fn inside(&self, (key, formula, whole): &Part<'a>) -> Vec<Part<'a>> {
+    fn inside(&self, (key, formula, whole): &FormulaPart<'a>) -> Vec<FormulaPart<'a>> {
         let file = &*self.system.file;
         let meaning = |name: &String| file.names.get(name);
         let named = |(key, formula): (String, &'a Formula)| (key, formula, &formula.tree);
@@ -270,7 +273,7 @@ impl<'a> Evaluation<'a> {
 }
 
 /// A part of a formula: the formula's key, the formula and the part.
-type Part<'a> = (String, &'a Formula, &'a Expression);
+type FormulaPart<'a> = (String, &'a Formula, &'a Expression);
 
 /// The operands of an expression. The contact of a friction is none.
 fn operands(whole: &Expression) -> Vec<&Expression> {

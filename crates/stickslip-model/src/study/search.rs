@@ -125,7 +125,7 @@ impl PeriodicSearch {
     ) -> Result<(PeriodicOrbit, Option<u32>), SearchError> {
         check_time("transient", self.transient.unwrap_or(DEFAULT_TRANSIENT))?;
         check_time("longest", self.longest)?;
-        let search = Search {
+        let search = OrbitSearch {
             system,
             options,
             settings: self,
@@ -151,13 +151,13 @@ impl PeriodicSearch {
     }
 }
 
-struct Search<'a> {
+struct OrbitSearch<'a> {
     system: &'a System,
     options: &'a Options,
     settings: &'a PeriodicSearch,
 }
 
-impl Search<'_> {
+impl OrbitSearch<'_> {
     /// Follows the orbit from `(t, x)` for a time `span`.
     fn follow(
         &self,

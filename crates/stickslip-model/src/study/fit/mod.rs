@@ -24,7 +24,7 @@ use stickslip::{Error, Options};
 pub use errors::FitError;
 use problem::{Problem, Sequence};
 pub use statistics::RunsTest;
-pub use uncertainty::Uncertainty;
+pub use uncertainty::FitUncertainty;
 use work::Work;
 
 use crate::file::SystemFile;
@@ -155,7 +155,7 @@ pub struct Fit {
     /// Fitted values.
     pub values: Vec<FittedValue>,
     /// Uncertainties and what the data do not determine.
-    pub uncertainty: Uncertainty,
+    pub uncertainty: FitUncertainty,
     /// Columns of all records.
     pub columns: Vec<FittedColumn>,
     /// Start, end and modes of the phases of each record.
@@ -299,7 +299,7 @@ fn finished(
             break;
         }
     }
-    let uncertainty = Uncertainty::of(problem, &best);
+    let uncertainty = FitUncertainty::of(problem, &best);
     problem.check_interrupt()?;
     let others = others.into_iter().map(|one| OtherMinimum {
         values: one.x.as_slice().to_vec(),

@@ -4,7 +4,7 @@ use stickslip::analysis::LeastSquares;
 
 use super::problem::{Problem, Sequence};
 use super::statistics::runs_test;
-use super::uncertainty::Uncertainty;
+use super::uncertainty::FitUncertainty;
 use super::work::Work;
 use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
 
@@ -16,7 +16,7 @@ impl Problem<'_> {
         &self,
         best: &LeastSquares<Sequence>,
         work: Work,
-        uncertainty: Uncertainty,
+        uncertainty: FitUncertainty,
         others: Vec<OtherMinimum>,
     ) -> Result<Fit, FitError> {
         let parts = self.modelled(&best.x).map_err(|error| self.failed(error))?;

@@ -22,7 +22,7 @@ const DOUBTFUL: f64 = 0.3;
 
 /// Uncertainties of a fit, from the singular values of its derivatives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Uncertainty {
+pub struct FitUncertainty {
     /// Standard error of each unknown: none on a bound, where the data do not determine it, or for
     /// [`Self::none`]. none on a bound, where the data do not determine it, or for [`Self::none`].
     pub std_errors: Vec<Option<f64>>,
@@ -40,7 +40,7 @@ pub struct Uncertainty {
     pub bend: Option<f64>,
 }
 
-impl Uncertainty {
+impl FitUncertainty {
     /// Whether the model is so curved within a standard error that intervals are doubtful.
     pub fn is_doubtful(&self) -> bool {
         self.bend.is_some_and(|bend| bend > DOUBTFUL)
@@ -58,7 +58,7 @@ impl Uncertainty {
         let count = best.x.len();
         // The starts of parts come last, and are no results.
         let named = problem.unknowns.named();
-        let mut own = Uncertainty {
+        let mut own = FitUncertainty {
             std_errors: vec![None; named],
             covariance: Matrix::repeat(named, named, f64::NAN),
             quantile: quantile(None),
