@@ -6,9 +6,7 @@ use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
     BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Interpretation, Rig,
 };
-use stickslip::Visibility;
-use stickslip::system::Unchecked;
-use stickslip::{Error, Fate, Filippov, Side, State, fate};
+use stickslip::{Error, Fate, Filippov, Side, State, Unchecked, Visibility, fate};
 
 /// A rig in physical units with no special values.
 pub fn rig() -> Rig {

@@ -246,7 +246,7 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::system::State;
+    use stickslip::State;
 
     /// Phases of a motion that repeats after so many periods of length one. Each has a stick phase
     /// of the given length, a crossing upwards at -0.2 and one downwards at 0.3.

@@ -566,7 +566,7 @@ pub(crate) fn run(
 }
 
 /// A whole orbit: phases, transitions, and every step with the solution over it.
-pub(crate) struct Orbit {
+pub(crate) struct RecordedOrbit {
     pub phases: Vec<Phase>,
     pub transitions: Vec<Transition>,
     pub steps: Vec<(Step, Solution)>,
@@ -574,7 +574,7 @@ pub(crate) struct Orbit {
     pub end: Summary,
 }
 
-impl Orbit {
+impl RecordedOrbit {
     /// Integrates and stores the orbit up to its end or its failure, which is returned as well.
     ///
     /// # Errors
@@ -585,7 +585,7 @@ impl Orbit {
         t_end: f64,
         options: &Options,
     ) -> Result<(Self, Option<Error>), Error> {
-        let mut orbit = Orbit {
+        let mut orbit = RecordedOrbit {
             phases: Vec::new(),
             transitions: Vec::new(),
             steps: Vec::new(),

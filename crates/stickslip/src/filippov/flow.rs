@@ -457,7 +457,7 @@ pub(crate) fn seeded<const N: usize>(
 }
 
 /// Gradient of the boundary function in the state, and its time derivative.
-pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
+pub(super) fn boundary_gradient<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
     x: &State<N>,

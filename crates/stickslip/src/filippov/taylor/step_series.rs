@@ -22,7 +22,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Coefficients of the powers of `s`, the fraction of the step.
-pub(super) type Polynomial = [f64; MAX_COEFFICIENTS];
+pub(super) type StepPolynomial = [f64; MAX_COEFFICIENTS];
 
 /// Room for as many powers as a series has coefficients, rounded up to a multiple of four.
 pub(super) const POWERS: usize = MAX_COEFFICIENTS.next_multiple_of(4);
