@@ -205,7 +205,7 @@ class Case:
         return np.array([self.observed(s) for s in self.states(points)])
 
     def exponents(self, points):
-        """From the variational equations."""
+        """Exponents from the variational equations."""
         step, s, dt = self.step, np.array(self.start), self.dt
         n = len(s)
 

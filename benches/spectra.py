@@ -99,7 +99,7 @@ def by_program(program, case, path, *options):
 
 
 def estimators(program, case, x, path):
-    """For each: name, whether it gives a spectrum, and a call.
+    """List each estimator: name, whether it gives a spectrum, and a call.
 
     The call returns the exponents and the status of the first.
     """
@@ -198,7 +198,7 @@ def show(rows):
 
 
 def summary(rows):
-    """How far the two targets are met, from the rows of all series."""
+    """Tell how far the two targets are met, from the rows of all series."""
     names = list(dict.fromkeys(row["series"] for row in rows))
     of = {(row["series"], row["estimator"]): row for row in rows}
     tools = dict.fromkeys(row["estimator"] for row in rows)

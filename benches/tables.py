@@ -116,7 +116,7 @@ def duration(seconds):
 
 
 def quotients(rows):
-    """For each peer: (their time over ours, problem, their time), least first."""
+    """Quotients for each peer: (their time over ours, problem, their time), least first."""
     found = {}
     for problem, peer, _, theirs, own in ratios(rows):
         if own:

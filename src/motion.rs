@@ -128,9 +128,9 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// From the points `(t, x)` of the section in order of time, and the exponents in descending
-    /// order as measured over `duration`. Without exponents only a periodic motion can be
-    /// recognised.
+    /// Gathers evidence from the points `(t, x)` of the section in order of time, and the exponents
+    /// in descending order as measured over `duration`. Without exponents only a periodic motion
+    /// can be recognised.
     pub fn gather<const N: usize>(
         section: &[(f64, [f64; N])],
         (system, exponents, duration): (SystemKind, &[Exponent], f64),

@@ -18,7 +18,7 @@ fn exact(caption: &Caption) -> BlockAndBracket {
     BlockAndBracket::from_caption(caption, &Interpretation::exact()).unwrap()
 }
 
-/// From the nondimensional state to metres and metres per second.
+/// Converts the nondimensional state to metres and metres per second.
 fn in_metres(rig: &Rig, x: &State<4>) -> State<4> {
     let (length, speed) = (rig.length_unit(), rig.length_unit() / rig.time_unit());
     State::from([x[0] * length, x[1] * speed, x[2] * length, x[3] * speed])

@@ -8,7 +8,7 @@ use replication::captions::{
 use replication::figures::block_and_bracket::SETS;
 use replication::motion::Class;
 
-/// As for the other golden files.
+/// Tolerance of the golden files.
 const TOLERANCE: f64 = 1e-10;
 
 #[test]

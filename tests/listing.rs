@@ -10,8 +10,7 @@ use replication::paper::listing::{
 };
 use replication::paper::models::ForcedOscillator;
 use replication::paper::published::Claims;
-use stickslip::math;
-use stickslip::system::{Mode, Side};
+use stickslip::{Mode, Side, math};
 
 /// Samples of a run.
 fn samples(setup: &Setup) -> Vec<Sample> {

@@ -6,9 +6,7 @@ use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
     BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Interpretation, Rig,
 };
-use stickslip::Visibility;
-use stickslip::system::Unchecked;
-use stickslip::{Error, Fate, Filippov, Side, State, fate};
+use stickslip::{Error, Fate, Filippov, Side, State, Unchecked, Visibility, fate};
 
 /// A rig in physical units with no special values.
 pub fn rig() -> Rig {
@@ -222,7 +220,7 @@ fn a_system_whose_parameters_are_not_asked_for_can_lose_contact() {
     assert_abs_diff_eq!(left, 1.7 * 9.81 - 60.0, epsilon = 1e-13);
 }
 
-/// What a set of parameters is refused for.
+/// Asserts that a set of parameters is refused.
 fn assert_refused<S: std::fmt::Debug>(checked: Result<S, Error>, parameter: &str, bad: f64) {
     let error = checked.unwrap_err();
     let named = matches!(error, Error::Parameter { name, .. } if name == parameter);

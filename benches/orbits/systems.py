@@ -41,7 +41,7 @@ def make(problem, jit=plain):
 
 
 def make_compiled(problem, jit):
-    """The same on numpy arrays, compiled, with the time of compilation."""
+    """Systems on numpy arrays, compiled, with the time of compilation."""
     import numpy
 
     begin = time.perf_counter()

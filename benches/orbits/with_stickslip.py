@@ -1,4 +1,4 @@
-"""This package: the systems from formulas, as a user of Python states them."""
+"""Systems from formulas, as a user of Python states them."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Which of 200 x 200 starts of a friction oscillator lead to its fixed point, not to its cycle.
+"""Starts of a friction oscillator, 200 x 200, that lead to its fixed point, not to its cycle.
 
 x'' = -x - D x' - sgn(w) (0.5 + 0.5 exp(-2 |w|)), w = x' - VD. The peers' user knows the system:
 an orbit that sticks twice is on the stick-slip cycle, for stick forgets all. One within NEAR of the

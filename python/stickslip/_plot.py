@@ -46,7 +46,7 @@ def _single(axes: Any) -> Any:
 
 
 def several_axes(axes: Any, count: int, what: str) -> Any:
-    """This number of axes, in a row; `what` says what they show."""
+    """Axes of the given number, in a row; `what` says what they show."""
     many = list(np.ravel(axes)) if isinstance(axes, (np.ndarray, list, tuple)) else [axes]
     if len(many) != count:
         raise ValueError(

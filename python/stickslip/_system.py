@@ -79,7 +79,7 @@ class System:
         self._sections: dict[tuple[Any, ...], _core.System] = {}
 
     def _with_sections(self, sections: Iterable[tuple[Expression, int]]) -> _core.System:
-        """The same system with sections, stored for further runs."""
+        """Compile the system with sections, stored for further runs."""
         wanted = [(one.text, direction, one) for one, direction in sections]
         key = tuple((text, direction, one.parts) for text, direction, one in wanted)
         if not key:
@@ -164,7 +164,7 @@ class System:
     def with_parameters(
         self, values: Mapping[Any, float] | None = None, /, **more: float
     ) -> System:
-        """The same system with other values of some parameters.
+        """Copy the system with other values of some parameters.
 
         Parameters
         ----------

@@ -29,7 +29,7 @@ MOST_AT_ONCE, MOST_EVENTS = 20, 400
 
 
 class Undecided(Exception):
-    """What follows depends on less than the error of this integrator."""
+    """A consequence depends on less than the error of this integrator."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ class Model:
 
 @dataclass
 class Instant:
-    """What happens at one time: the jumps in order, and the modes before and after."""
+    """Events at one time: the jumps in order, and the modes before and after."""
 
     t: float
     jumps: list[str]
@@ -290,7 +290,7 @@ class Orbit:
     def first_sides(
         self, guards: list[Guard], values: list[float], halt: float
     ) -> tuple[list[bool], list[float]]:
-        """Which functions vanish at the start of a phase, and the sides to which they go."""
+        """Functions that vanish at the start of a phase, and the sides to which they go."""
         if any(ZERO < abs(value) < CLEAR for value in values):
             raise Undecided("a function is nearly zero")
         leaves, sides = [abs(value) <= ZERO for value in values], [*map(np.sign, values)]
@@ -352,7 +352,7 @@ class Orbit:
         return found
 
     def way(self, k: int) -> float:
-        """Which way the motion leads the function of a jump that vanishes now."""
+        """Direction in which the motion leads the function of a jump that vanishes now."""
         goes = self.model.jumps[k].when(
             self.t + SETTLING, self.advance(SETTLING), self.inputs(self.t)
         )

@@ -169,7 +169,7 @@ ss.basins_of_attraction(system, starts, longest=3000, progress=SHOWN, workers=1)
 
 
 def on_terminal(code):
-    """What a program writes to a terminal."""
+    """Capture the output of a program to a terminal."""
     leader, follower = pty.openpty()
     # Of no width nothing is drawn.
     fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("4H", 24, 100, 0, 0))

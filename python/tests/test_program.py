@@ -1,4 +1,4 @@
-"""What the program computes, from Python: curves, branches, tangent points, shares, spectra."""
+"""Results of the program, from Python: curves, branches, tangent points, shares, spectra."""
 
 import csv
 import os

@@ -51,7 +51,7 @@ class Draw:
         return Model(rate, self.contacts, self.jumps, self.clocks)
 
     def system(self) -> ss.System:
-        """The same for the engine, from the same formulas."""
+        """System for the engine, from the same formulas."""
         states = [ss.state(name) for name in self.states]
         y = [*states, *(ss.DiscreteState(name) for name in self.discrete)]
         contacts, forces = [], []
@@ -471,7 +471,7 @@ def difference(found: Sequence[Instant], wanted: Sequence[Instant], within: floa
 
 
 def disagreement(seed: int) -> tuple[str, str, int]:
-    """What the engine does otherwise than brute force, why that is undecided, and the instants."""
+    """Differences of the engine from brute force, why they are undecided, and the instants."""
     draw = drawn(seed)
     record, instants, until = agreed(draw)
     if until < GAP:
@@ -496,7 +496,7 @@ def disagreement(seed: int) -> tuple[str, str, int]:
 
 
 def of_pieces(system, draw, sol, found, until, method) -> str:
-    """What differs if the run is cut in the middle of phases."""
+    """Differences if the run is cut in the middle of phases."""
     times = [0.0, *(one.t for one in found), until]
     cuts = [(a + b) / 2 for a, b in zip(times, times[1:]) if b - a > GAP]
     cuts = cuts[:: max(1, len(cuts) // 4)]

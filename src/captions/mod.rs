@@ -1,4 +1,4 @@
-//! How far the rounding of the captions of Figs. 10–12 moves exponents and classes.
+//! Effect of the rounding of the captions of Figs. 10–12 on exponents and classes.
 //!
 //! The captions have three decimals. The program `captions` moves every number that is not zero by
 //! at most half a unit of the last one, evenly and independently, and computes the spectrum from
@@ -44,7 +44,7 @@ const COARSE_TOLERANCE: f64 = 1e-8;
 /// Step of the run that shows the effect of the paper's own method, its Sect. 3.
 const FIXED_STEP: f64 = 5e-3;
 
-/// One of a figure's spectra.
+/// A spectrum of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CaptionVariant {
     /// The caption as printed.
@@ -111,7 +111,7 @@ impl CaptionVariant {
 pub struct CaptionSpectrum {
     /// Figure, from 0 for Fig. 10.
     pub figure: usize,
-    /// Which of its spectra.
+    /// Spectrum of the figure.
     pub variant: CaptionVariant,
     /// The nine numbers of the caption.
     pub numbers: [f64; 9],
@@ -119,7 +119,7 @@ pub struct CaptionSpectrum {
     pub class: Class,
     /// Exponents (1/t); −∞ for a direction that stick annihilates.
     pub exponents: [f64; 4],
-    /// Their standard errors (1/t), statistical only; not a number for one of −∞.
+    /// Standard errors of the exponents (1/t), statistical only; not a number for one of −∞.
     pub std_errors: [f64; 4],
 }
 

@@ -66,8 +66,8 @@ impl fmt::Display for Value {
 pub enum Quantity {
     /// The value of a claim.
     Claim(ClaimId),
-    /// One of several numbers that a claim publishes together. It is counted from 1 in the order of
-    /// computation.
+    /// A member of the numbers that a claim publishes together. It is counted from 1 in the order
+    /// of computation.
     Member(ClaimId, usize),
     /// A quantity for which the paper gives no value.
     Other(String),
@@ -98,7 +98,7 @@ impl<S: Into<String>> From<S> for Quantity {
 /// The published value for a row, and whether it agrees with the computed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
-    /// In the paper's own digits or words.
+    /// Published value, in the paper's own digits or words.
     pub published: String,
     /// A number agrees if rounding gives the published digits. A count or a word must be equal. A
     /// statement must hold in all its parts.

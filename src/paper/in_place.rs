@@ -8,13 +8,12 @@
 //! the body moves with the belt at the correct speed. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
-use stickslip::system::components;
-use stickslip::{Filippov, Mode, Side, State};
+use stickslip::{Filippov, Mode, Side, State, components};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
 
-/// Why the scheme cannot go on.
+/// Reason for which the scheme cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Breakdown {
     /// A component exceeded the bound.

@@ -1,4 +1,4 @@
-//! What the paper printed: the program of its Appendix, and the published values.
+//! Contents of the paper: the program of its Appendix, and the published values.
 //!
 //! P. Olejnik, J. Awrejcewicz, *Application of Hénon method in numerical estimation of the
 //! stick–slip transitions existing in Filippov-type discontinuous dynamical systems with dry

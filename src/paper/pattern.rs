@@ -33,8 +33,8 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// From a run of the listing. Its period is that of [`Run::motion`]. The first step after a
-    /// stick phase is not a crossing but the correction of a wrong side at its release. `None`
+    /// Pattern of a run of the listing. Its period is that of [`Run::motion`]. The first step after
+    /// a stick phase is not a crossing but the correction of a wrong side at its release. `None`
     /// unless the motion has settled and reaches Σ.
     pub fn of_listing(run: &Run) -> Option<Pattern> {
         let (Motion::StickSlip { period, .. } | Motion::SlipOnly { period }) = run.motion else {
@@ -50,7 +50,7 @@ impl Pattern {
         Events::new(sticks, crossings.collect(), run.forcing_period).pattern(period)
     }
 
-    /// From the phases of an accurate solution, in order of time; a phase ends where the next
+    /// Pattern of the phases of an accurate solution, in order of time; a phase ends where the next
     /// begins. The period is the smallest number of forcing periods after which all events on Σ
     /// repeat. Events are entries, exits and crossings. They repeat if they agree within 1e-6 m and
     /// 1e-6 s over at least the last six forcing periods. `None` if nothing repeats within eight.
@@ -246,7 +246,7 @@ impl Run {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stickslip::system::State;
+    use stickslip::State;
 
     /// Phases of a motion that repeats after so many periods of length one. Each has a stick phase
     /// of the given length, a crossing upwards at -0.2 and one downwards at 0.3.

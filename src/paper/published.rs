@@ -36,7 +36,7 @@ described! {
 }
 
 described! {
-    /// How a claim is counted.
+    /// Group in which a claim is counted.
     Group: (&'static str, &'static str) as described {
         /// Follows by algebra from the printed polynomials of Sects. 2 and 4.
         Algebra = ("algebra", "algebra of the printed polynomials"),
@@ -108,7 +108,7 @@ pub struct Claim {
     pub kind: ClaimKind,
     /// Published value, as printed. Members of a set are separated by `;`.
     pub published: String,
-    /// How many decimals are printed.
+    /// Number of decimals that are printed.
     pub digits: Digits,
     /// Unit, empty where there is none.
     pub unit: String,
@@ -118,9 +118,9 @@ pub struct Claim {
     pub part: String,
     /// Labels of the corrections that its corrected readings need, separated by spaces.
     pub corrections: String,
-    /// How it is judged.
+    /// Method of the judgement, in words.
     pub check: String,
-    /// How it is counted.
+    /// Group in which it is counted.
     pub group: Group,
     /// The function that judges it, and a test of it: file, `::`, name.
     pub sources: [String; 2],
@@ -217,7 +217,7 @@ pub(crate) fn scale(published: f64) -> f64 {
 /// The whole table: a claim for every [`ClaimId`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Claims {
-    /// In the order of [`ClaimId::ALL`].
+    /// Claims in the order of [`ClaimId::ALL`].
     all: Vec<Claim>,
 }
 

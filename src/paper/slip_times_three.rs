@@ -57,7 +57,7 @@ impl InjectedDefects {
         one_sided_exit: false,
         ..InjectedDefects::BOTH
     };
-    /// The one-sided exit alone.
+    /// The exit tested at one side alone.
     pub const EXIT_ALONE: InjectedDefects = InjectedDefects {
         slip: 1.0,
         ..InjectedDefects::BOTH

@@ -42,7 +42,7 @@ pub struct CommittedSearch {
     /// Distance of configurations from all twelve exponents together: those that keep all three
     /// motions, and the ranked ones.
     pub joint_levels: [MatchLevel; 2],
-    /// For each figure alone, the distance of the nearest configuration, and that configuration.
+    /// Distance of the nearest configuration for each figure alone, and that configuration.
     pub figure_levels: [(MatchLevel, Match); 3],
     /// A row of each pair of reading and integrator, for its motions.
     pub motions: Vec<ConfigurationRow>,

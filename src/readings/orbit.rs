@@ -29,7 +29,7 @@ pub struct Bounded {
 }
 
 impl Bounded {
-    /// From the series, times and states of the returns, and the class.
+    /// Measures the orbit of a series, with times and states of the returns, and the class.
     pub fn new(series: Vec<[f64; 4]>, section: &[(f64, [f64; 4])], class: Class) -> Bounded {
         let (low, high) = extent(series.iter().map(|x| x[0]));
         let points: Vec<[f64; 4]> = section.iter().map(|(_, x)| *x).collect();
@@ -82,7 +82,7 @@ pub fn follow(group: &Group, caption: &Caption, plan: &Plan) -> Outcome {
     }
 }
 
-/// By the library's solver, which locates Σ with Hénon's step.
+/// Integrates by the library's solver, which locates Σ with Hénon's step.
 fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method) -> Outcome {
     // Where friction drives the block away from the belt, either side may be chosen.
     let options = Options::tol(TOLERANCE)

@@ -77,7 +77,7 @@ pub struct Plan {
     pub groups: Vec<Group>,
     /// The published exponents, the largest of each figure first.
     pub published: Exponents,
-    /// Their values.
+    /// Values of the published exponents.
     pub target: Twelve,
     /// Settings of the estimator that compete.
     pub search: Vec<Setting>,

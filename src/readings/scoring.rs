@@ -70,7 +70,7 @@ pub fn sources(rows: &[&ConfigurationRow]) -> [usize; 3] {
     })
 }
 
-/// In words.
+/// Words for the numbers of readings, integrators and settings.
 pub fn sources_in_words([readings, integrators, settings]: [usize; 3]) -> String {
     let plural = |count: usize| if count == 1 { "" } else { "s" };
     format!(
@@ -185,7 +185,7 @@ pub struct ValueRange {
 }
 
 impl ExponentSpread {
-    /// For exponent `k` of a figure, both from 0.
+    /// Spread of exponent `k` of a figure, both from 0.
     pub fn of(
         rows: &[&ConfigurationRow],
         (figure, k): (usize, usize),

@@ -78,7 +78,7 @@ impl Share {
         }
     }
 
-    /// In per cent.
+    /// Share in per cent.
     pub fn percent(&self) -> f64 {
         100.0 * self.matched as f64 / self.of.max(1) as f64
     }
@@ -106,7 +106,7 @@ pub struct MatchLevel {
 }
 
 impl MatchLevel {
-    /// For some rows, in some of the figures. The rows `spectra` give the targets.
+    /// Level of some rows, in some of the figures. The rows `spectra` give the targets.
     pub fn of(
         rows: &[&ConfigurationRow],
         spectra: &[&ConfigurationRow],
@@ -163,7 +163,7 @@ fn has_signs_of(row: &ConfigurationRow, target: &Twelve, figures: &[usize]) -> b
     })
 }
 
-/// For each figure alone: its level among all rows, and the nearest row. `None` without rows.
+/// Level of each figure alone among all rows, and its nearest row. `None` without rows.
 pub fn single_figure_levels<'a>(
     search: &[&'a ConfigurationRow],
     target: &Twelve,

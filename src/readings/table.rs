@@ -87,12 +87,12 @@ pub struct ConfigurationRow {
     pub scores: [f64; 4],
 }
 
-/// Why a figure has no exponents: its orbit has no series.
+/// Reason for a figure without exponents: its orbit has no series.
 pub const NO_SERIES: &str = "no series";
-/// Why a figure has no exponents: its reading loses another figure, and its motion is not of the
-/// published kind.
+/// Reason for a figure without exponents: its reading loses another figure, and its motion is not
+/// of the published kind.
 pub const READING_LOST: &str = "reading lost";
-/// Why an exponent is missing: the estimator gives none.
+/// Reason for a missing exponent: the estimator gives none.
 pub const NO_ESTIMATE: &str = "no estimate";
 /// Key, three figures of class, two sizes and four exponents with their status, and six scores.
 const FIELDS: usize = 4 + 3 * 11 + 6;

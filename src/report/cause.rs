@@ -123,7 +123,7 @@ impl MotionComparison {
                 .is_some_and(|four| within_bounds(&four, &self.allowed_differences))
     }
 
-    /// In words.
+    /// Describes the cause in words.
     pub fn sentence(&self) -> String {
         let kind = |pattern: &Pattern| {
             let (sticks, period) = (pattern.pattern_sticks().count(), pattern.period);
@@ -204,7 +204,7 @@ impl StepError {
             && within_bounds(&apart, &self.allowed_gap)
     }
 
-    /// In words.
+    /// Describes the check in words.
     pub fn sentence(&self) -> String {
         let [left, own] =
             [self.step_difference, self.own_error].map(|four| joined(four.map(thousandths), ", "));
@@ -287,7 +287,7 @@ impl Cause {
     }
 }
 
-/// In thousandths of the unit, with the sign.
+/// Formats a number in thousandths of the unit, with the sign.
 fn thousandths(value: f64) -> String {
     format!("{:+.3}", 1e3 * value)
 }

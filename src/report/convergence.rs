@@ -104,7 +104,7 @@ pub struct Convergence {
     /// Agreement of the limit with the published numbers. These digits are due to the continuous
     /// cause, the others to the step.
     pub limit_digits: [Agreement; 4],
-    /// Over three decades of steps, in ascending order.
+    /// Runs over three decades of steps, in ascending order.
     pub steps: Vec<ComparedRun>,
     /// Around the printed step, in ascending order.
     pub around: Vec<ComparedRun>,

@@ -31,7 +31,7 @@ fn about_convergence(data: &Convergence) -> String {
 /// Two of the four numbers that have one unit.
 struct NumberPair {
     unit: &'static str,
-    /// Their names in the title.
+    /// Names of the numbers in the title.
     title: &'static str,
     /// Indices in the four numbers, with names, colours and markers.
     members: [(usize, &'static str, Color, Shape); 2],

@@ -15,7 +15,7 @@ described! {
         Positive = "positive",
         /// Neither.
         Zero = "zero",
-        /// They approach each other.
+        /// Nearby orbits approach each other.
         Negative = "negative",
     }
 }
@@ -44,8 +44,8 @@ impl fmt::Display for Sign {
 pub enum OverSettings {
     /// Nothing, or they agree to a unit of the last digit: the findings decide.
     Decided,
-    /// They move the value and their range holds the digits; or none identifies it, and the digits
-    /// have the sign of the equations.
+    /// The settings move the value and their range holds the digits; or none identifies it, and the
+    /// digits have the sign of the equations.
     Undetermined,
     /// No setting gives the digits: they lie outside the range, or have another sign.
     Excluded,
@@ -99,9 +99,9 @@ pub struct ExponentCheck {
     pub sign: Sign,
     /// Value by the corrected equations and its standard error; `None` where it is −∞.
     pub equations: Option<[f64; 2]>,
-    /// Over all settings.
+    /// Range over all settings.
     pub range: SettingsRange,
-    /// Over those with Eq. (25) as printed, which has no affine term.
+    /// Range over the settings with Eq. (25) as printed, which has no affine term.
     pub linear: SettingsRange,
 }
 

@@ -142,7 +142,7 @@ impl Finding {
         joined(&self.values, ";")
     }
 
-    /// In words, with numbers to so many decimals.
+    /// Describes the finding in words, with numbers to so many decimals.
     pub fn line(&self, decimals: usize) -> String {
         let part = |(what, holds): &Part| {
             let word = if *holds { "holds" } else { "fails" };

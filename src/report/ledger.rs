@@ -298,7 +298,7 @@ impl Ledger {
         )
     }
 
-    /// How near to zero the estimate from data comes.
+    /// Distance from zero of the nearest exponent that the estimate from data determines, in words.
     fn nearest_to_zero(&self) -> String {
         let nearest = self.computed.bracket.each_ref().map(|data| {
             let exponents = data.from_data.exponents.iter();

@@ -212,8 +212,8 @@ impl Spread {
         )
     }
 
-    /// How often the search matches an exponent to its printed digits, and the significance of
-    /// that; `figure` and `k` from 0.
+    /// Describes the matches of an exponent to its printed digits in the search, and their
+    /// significance; `figure` and `k` from 0.
     pub fn digits_sentence(&self, figure: usize, k: usize) -> String {
         let (agreeing, kept) = (self.search.digits[figure][k], self.search.kept);
         let of = format!(

@@ -41,7 +41,7 @@ described! {
             "the paper's own program or equations, taken literally, give it to every printed digit \
             or in all its parts; neither the model as stated nor a corrected one does",
         ],
-        /// For a statement: a part holds.
+        /// A part of the statement holds.
         InPart = [
             "in part only",
             "part",

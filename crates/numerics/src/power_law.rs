@@ -10,7 +10,7 @@ pub struct PowerLaw {
 }
 
 impl PowerLaw {
-    /// Through points `(x, y)`; those with a `y` that is not positive are left out.
+    /// Fits a law through points `(x, y)`; those with a `y` that is not positive are left out.
     ///
     /// ```
     /// use numerics::PowerLaw;

@@ -1,4 +1,4 @@
-//! What programs print: results, errors and progress.
+//! Output of programs: results, errors and progress.
 
 use std::fmt::Display;
 use std::io::{self, Write};

@@ -20,7 +20,7 @@ pub enum Legend {
     UpperLeft,
     /// Inside, at the upper border.
     UpperMiddle,
-    /// Under the panel, in as many columns as fit.
+    /// Place under the panel, in as many columns as fit.
     Below,
 }
 

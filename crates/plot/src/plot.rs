@@ -60,7 +60,7 @@ impl Frame {
         }
     }
 
-    /// Between two opposite corners.
+    /// The rectangle between two opposite corners.
     pub(super) fn between(a: Point, b: Point) -> Self {
         Self {
             left: a.0.min(b.0),

@@ -7,7 +7,7 @@
 /// Position of a run of text relative to the line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Level {
-    /// On the line.
+    /// The line itself.
     #[default]
     Base,
     /// Subscript.
@@ -44,7 +44,7 @@ pub(super) struct Run {
     pub(super) italic: bool,
     /// Heavy, for panel labels.
     pub(super) bold: bool,
-    /// On, below or above the line.
+    /// Level: on, below or above the line.
     pub(super) level: Level,
 }
 

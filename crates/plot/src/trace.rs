@@ -133,7 +133,8 @@ struct Edge {
 }
 
 impl Edge {
-    /// The same if values lie on it and have some size in px, roughly; one over them otherwise.
+    /// The edge itself if values lie on it and have some size in px, roughly; a new one over them
+    /// otherwise.
     fn over(self, values: impl Iterator<Item = f64>, size: f64) -> Self {
         let none = (f64::INFINITY, f64::NEG_INFINITY);
         let (low, high) = values.fold(none, |(low, high), x| (low.min(x), high.max(x)));

@@ -1,4 +1,4 @@
-//! From stretchings to exponents: means, standard errors, running means.
+//! Averages that turn stretchings into exponents: means, standard errors, running means.
 
 use std::f64::consts::FRAC_2_PI;
 

@@ -29,17 +29,17 @@ const COUNT_RATIO: usize = 16;
 /// measured. The error of a slope is that of the singular values, over the logarithm of this.
 const LEAST_RADIUS_RATIO: f64 = 1.2;
 
-/// How the neighbours spread in a direction.
+/// Spread of the neighbours in a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DirectionKind {
-    /// They spread in proportion to the size of the neighbourhood: the manifold extends there.
+    /// Spread in proportion to the size of the neighbourhood: the manifold extends there.
     Tangent,
-    /// They spread with a higher power of the size: the manifold curves into this direction. The
+    /// Spread with a higher power of the size: the manifold curves into this direction. The
     /// neighbours carry no information on a perturbation along it.
     Curvature,
-    /// They spread to the same extent at all sizes.
+    /// Spread to the same extent at all sizes.
     Noise,
-    /// They do not spread beyond rounding.
+    /// Spread not beyond rounding.
     Flat,
 }
 
@@ -58,7 +58,7 @@ impl DirectionKind {
 /// One direction of the neighbourhoods, the widest first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// How the neighbours spread in it.
+    /// Spread of the neighbours in the direction.
     pub kind: DirectionKind,
     /// Median slope of the singular value over the radius, both logarithmic; NaN for a flat
     /// direction.

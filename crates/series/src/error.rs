@@ -1,6 +1,6 @@
 //! Errors of series and settings.
 
-/// Why a spectrum cannot be estimated from a series.
+/// Reason for which a spectrum cannot be estimated from a series.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DataError {
@@ -18,7 +18,7 @@ pub enum DataError {
             it"
     )]
     Incomplete {
-        /// How many values there are.
+        /// Number of values.
         values: usize,
         /// Columns of a row.
         columns: usize,
@@ -110,7 +110,7 @@ pub enum DataError {
         /// Allowed values, in words and numbers.
         bound: String,
     },
-    /// The one who watched the progress stopped the computation.
+    /// The watcher of the progress stopped the computation.
     #[error("the computation was stopped")]
     Stopped,
     /// The Fourier transform failed.

@@ -237,7 +237,7 @@ struct Local {
     directions: Matrix,
     full: LocalMap,
     fixed: LocalMap,
-    /// From twice the neighbourhood, with its directions.
+    /// Map from twice the neighbourhood, with its directions.
     wide: Option<(LocalMap, Matrix)>,
     maps: Option<Maps>,
     point: Point,

@@ -181,7 +181,7 @@ mod tests {
         tau: 1.0,
     };
 
-    /// So few blocks that Student's error is five times the scatter.
+    /// An average of so few blocks that Student's error is five times the scatter.
     fn from_few_blocks(mean: f64) -> Average {
         Average {
             mean,

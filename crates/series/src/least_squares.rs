@@ -48,8 +48,8 @@ pub(crate) struct ShiftedColumns {
 }
 
 impl ShiftedColumns {
-    /// For points whose images come `step` later. A component equals a column of the point if it
-    /// does so at all points.
+    /// The shifted columns of points whose images come `step` later. A component equals a column of
+    /// the point if it does so at all points.
     pub(crate) fn of(points: &Matrix, step: usize) -> Self {
         let columns = points.columns();
         let is_column = |component: usize, column: usize| {
@@ -346,7 +346,7 @@ pub(crate) struct Triangle {
     pub(crate) images: Matrix,
     /// Sum of squares of its lower rows, which no linear map explains.
     pub(crate) residual: f64,
-    /// At least as many as columns.
+    /// Number of rows, at least that of the columns.
     pub(crate) rows: usize,
 }
 

@@ -15,7 +15,7 @@ pub(crate) struct Matrix {
 }
 
 impl Matrix {
-    /// From its cells, row after row.
+    /// The matrix of these cells, row after row.
     pub(crate) fn new(cells: Vec<f64>, columns: usize) -> Self {
         Self { columns, cells }
     }

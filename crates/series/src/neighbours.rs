@@ -15,7 +15,7 @@ const REPEAT_DISTANCE: f64 = 1e-9;
 /// the attractor.
 pub(crate) const POINTS_PER_NEIGHBOUR: usize = 20;
 
-/// How many of the nearest points form the requested neighbourhood.
+/// Number of the nearest points that form the requested neighbourhood.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Selection {
     /// Number of nearest points.
@@ -102,8 +102,9 @@ impl<'c> Finder<'c> {
         Selection::of(nearest, neighbours, spread)
     }
 
-    /// As [`Finder::nearest`]. At the call `nearest` are those of the point `before`. Their images
-    /// bound the distance of the new ones, which makes the search short in a flow.
+    /// Finds the neighbours of [`Finder::nearest`]. At the call, `nearest` holds those of the point
+    /// `before`. At the call `nearest` are those of the point `before`. Their images bound the
+    /// distance of the new ones, which makes the search short in a flow.
     pub(crate) fn follow(
         &self,
         (before, j): (Option<usize>, usize),

@@ -195,7 +195,7 @@ pub enum Balance {
     Rest {
         /// Number of the others; if it is one, `sum` is that exponent.
         exponents: usize,
-        /// Their sum.
+        /// Sum of the others.
         sum: f64,
         /// Standard error.
         stderr: f64,

@@ -43,7 +43,7 @@ pub enum Origin {
     System,
     /// The embedding's: neither has it.
     Spurious,
-    /// There is nothing to compare with:
+    /// No comparison is possible:
     /// * no tangent direction was found;
     /// * all directions are tangent, and the reversed series does not have the first exponent;
     /// * the maps predict too little; or the exponent has no value.
@@ -182,8 +182,9 @@ fn distance(a: (f64, f64), b: (f64, f64), scale: f64) -> Option<f64> {
     (difference <= errors.max(bias)).then_some(difference)
 }
 
-/// Which of `all` are among `references`. Each reference matches at most one, the nearest. The
-/// first `dimension` exponents, which the data determine, are matched before the others.
+/// Marks the members of `all` that are among `references`. Each reference matches at most one, the
+/// nearest. The first `dimension` exponents, which the data determine, are matched before the
+/// others.
 fn matched(
     all: &[(f64, f64)],
     references: &[(f64, f64)],

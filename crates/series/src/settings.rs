@@ -1,4 +1,4 @@
-//! How a spectrum is estimated.
+//! Settings with which a spectrum is estimated.
 
 use super::error::DataError;
 use super::least_squares::RANK_TOLERANCE;
@@ -23,21 +23,21 @@ impl Degree {
     }
 }
 
-/// Which points count as neighbours of a reference point.
+/// Choice of the points that count as neighbours of a reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Neighbourhood {
-    /// Those in a ball.
+    /// Points in a ball.
     Ball {
         /// Radius, as a fraction of the signal's spread `√Σ var`.
         eps: f64,
-        /// With fewer points than this in the ball, this many nearest points are taken, and the
-        /// reference point counts as starved. Where exponents are extrapolated it does if the
+        /// Least number of points. If the ball holds fewer, this many nearest points are taken, and
+        /// the reference point counts as starved. Where exponents are extrapolated it does if the
         /// smaller of the two neighbourhoods reaches farther than one and a half times the radius.
         min: usize,
         /// Largest number of points. If the ball holds more, only this many nearest ones are taken.
         max: usize,
     },
-    /// This many nearest points, at any distance.
+    /// So many nearest points, at any distance.
     Nearest(usize),
 }
 
@@ -112,7 +112,7 @@ const NEIGHBOURS_PER_VALUE: usize = 4;
 pub struct DataSettings {
     /// Estimator that is applied to the local maps.
     pub estimator: Estimator,
-    /// Which points are neighbours. What is extrapolated comes from the nearest points,
+    /// Choice of the neighbours. An extrapolation comes from the nearest points,
     /// [`Neighbourhood::fewest`] or more of them.
     pub neighbours: Neighbourhood,
     /// Theiler window, in points: `k` is no neighbour of `j` if `|k − j|` is at most this. Points
@@ -218,7 +218,7 @@ impl DataSettings {
             .saturating_add(i % chains * self.stride)
     }
 
-    /// How many reference points there are before point `end`.
+    /// Number of reference points before point `end`.
     pub(crate) fn references_before(&self, end: usize) -> usize {
         end / self.step * self.chains() + (end % self.step).div_ceil(self.stride)
     }
@@ -234,7 +234,7 @@ impl DataSettings {
         }
     }
 
-    /// For the delayed values `embedded`, what they need beyond states.
+    /// Adds the settings that the delayed values `embedded` need beyond those of states.
     /// * Maps are affine and over the `delay`: all but the last value of an image are known.
     /// * There are 40 neighbours, but at most a hundredth of the points and at least four for each
     ///   value. More that are set already stay; a ball takes as many and no more. Each value brings

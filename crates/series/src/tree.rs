@@ -82,7 +82,7 @@ pub(crate) struct Tree {
     /// block its lanes, column by column. Places that no point takes are no numbers, and so not
     /// within any distance.
     lanes: Vec<[f64; LANES]>,
-    /// Their indices, block by block.
+    /// Indices of the points, block by block.
     indices: Vec<[u32; LANES]>,
 }
 
@@ -281,7 +281,7 @@ fn sort(nearest: &mut Vec<Neighbour>, wanted: usize) {
     nearest.truncate(wanted);
 }
 
-/// By distance and then by index.
+/// Order by distance and then by index.
 fn order(a: &Neighbour, b: &Neighbour) -> Ordering {
     a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
 }
@@ -336,7 +336,7 @@ mod tests {
         agrees_with_brute_force(10);
     }
 
-    /// In few places, a few units in the last place apart.
+    /// Difference in few places, by a few units in the last place.
     #[test]
     fn neighbours_are_sorted_by_distance_and_then_by_index() {
         let mut draw = SplitMix::new(7);

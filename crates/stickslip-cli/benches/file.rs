@@ -1,5 +1,5 @@
-//! How much longer a system from a file takes than the same one compiled. The runs take turns, so
-//! that whatever else the machine does meets both alike.
+//! Time that a system from a file takes, over that of the same one compiled. The runs take turns,
+//! so that whatever else the machine does meets both alike.
 
 #[path = "../../stickslip-model/tests/suite/blocks.rs"]
 mod blocks;

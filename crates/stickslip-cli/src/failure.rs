@@ -9,7 +9,7 @@ use crate::render::OutputError;
 use crate::sweep::SweepError;
 use crate::table::TableError;
 
-/// Why a command failed.
+/// Reason for which a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     #[error(transparent)]

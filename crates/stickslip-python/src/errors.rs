@@ -48,7 +48,7 @@ pub(crate) fn words(error: &Error, system: &System) -> String {
     Keywords.words(error, Some(system))
 }
 
-/// Why a computation failed.
+/// Reason for which a computation failed.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub(crate) enum Failure {

@@ -40,7 +40,7 @@ impl System {
         Ok(SystemFile::open(path).map_err(wrong)?.source.text)
     }
 
-    /// The same system with other sections, each of a direction given by its sign.
+    /// Compiles the system with other sections, each of a direction given by its sign.
     fn with_sections(&self, sections: Vec<(String, i32)>) -> PyResult<System> {
         let direction = |sign: i32| match sign.signum() {
             1 => Direction::Rising,
@@ -55,7 +55,7 @@ impl System {
         Ok(System { compiled })
     }
 
-    /// The same system with time that runs backwards.
+    /// Compiles the system with time that runs backwards.
     fn reversed(&self) -> PyResult<System> {
         study::past::check(&self.compiled)
             .map_err(|error| pyo3::exceptions::PyValueError::new_err(error.to_string()))?;

@@ -99,15 +99,15 @@ struct Recording<'a> {
     events: Vec<Passages>,
     /// The run ends at this time.
     limit: f64,
-    /// Without them, the system itself ends its orbits.
+    /// Signals of Python that end the run; without them, the system itself ends its orbits.
     signals: Option<&'a mut Signals>,
     friction: FrictionWatch<'a>,
     monitor: StepMonitor,
-    /// With reversed time, what has no past.
+    /// Watch for moments without a past, with reversed time.
     past: Option<PastWatch<'a>>,
     /// Place and contact of a slide that has none.
     slide: Option<(Moment, usize)>,
-    /// What looks wrong with the steps so far.
+    /// Doubts about the steps so far.
     doubtful: Vec<String>,
     /// Points at ends of steps, or at the requested times.
     points: Vec<(f64, Vector)>,
@@ -123,7 +123,7 @@ struct Recording<'a> {
     last: (f64, Vector),
 }
 
-/// What to record of a run, besides its phases, transitions and events.
+/// Parts of a run to record, besides its phases, transitions and events.
 #[derive(Clone)]
 struct Wanted<'a> {
     /// Numbers of passages of each event that end the run, 0 for never.
@@ -566,7 +566,7 @@ fn status(solved: &Solved, system: &CompiledSystem, t_start: f64) -> Result<(i32
     }
 }
 
-/// Why a run backwards ends at a slide. Its times are negative.
+/// Message for a run backwards that ends at a slide. Its times are negative.
 fn no_past(system: &CompiledSystem, t: f64, contact: usize) -> String {
     format!(
         "the past is not unique: at t = {} the orbit comes from a slide along the boundary of {}, \

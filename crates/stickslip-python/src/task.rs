@@ -65,7 +65,7 @@ pub(crate) struct Outcome<T> {
 }
 
 impl<T, E> Outcome<(T, Result<(), E>)> {
-    /// What was found until the computation ended, and the exception that ended it early.
+    /// Results until the computation ended, and the exception that ended it early.
     pub(crate) fn partial(self, failed: impl FnOnce(E) -> PyErr) -> PyResult<(T, Option<PyErr>)> {
         let (found, ended) = self.found;
         match (self.raised, ended) {

@@ -65,7 +65,7 @@ fn report_methods(model: &Belt) {
     }
 }
 
-/// So many field calls in a dependent chain.
+/// Calls the field so many times in a dependent chain.
 fn chain(model: &Belt, calls: u64) -> State<2> {
     let base = State::from([0.5, 0.2]);
     let mut x = start();

@@ -1,6 +1,6 @@
-//! What a step costs as the number of contacts grows: chains of one to eight blocks on a belt,
-//! joined by springs, with friction that weakens with the slip speed. Every number is compared with
-//! that of one block in the same run.
+//! Cost of a step as the number of contacts grows: chains of one to eight blocks on a belt, joined
+//! by springs, with friction that weakens with the slip speed. Every number is compared with that
+//! of one block in the same run.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

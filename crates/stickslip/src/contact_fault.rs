@@ -2,7 +2,8 @@
 
 use crate::error::{Point, readable};
 
-/// Why the motion at one or several contacts cannot continue. Contacts are counted from 0.
+/// Reason for which the motion at one or several contacts cannot continue. Contacts are counted
+/// from 0.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ContactFault {

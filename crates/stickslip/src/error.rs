@@ -137,7 +137,7 @@ pub enum Error {
     BehindStop {
         /// Number of the stop's impact, counted from the contacts through the jumps.
         number: usize,
-        /// Its gap.
+        /// Gap of the stop.
         gap: f64,
         /// Time.
         t: f64,

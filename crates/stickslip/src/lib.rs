@@ -77,8 +77,8 @@
 //! # Sections and events
 //! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and
 //! located on the step itself, in slip and in stick. They may have a direction, and may end the
-//! run. [`solve_with_events`] stores them beside the orbit, [`Watched`] reports them among the
-//! transitions, and [`EventSearch`] finds them for an [`Observer`]. [`analysis::PoincareMap`] makes
+//! run. [`solve_with_events`] stores them beside the orbit, and [`EventSearch`] finds them for an
+//! [`Observer`]. [`analysis::PoincareMap`] makes
 //! one function a system of discrete time, with the map's derivative.
 //!
 //! # Spectra
@@ -98,33 +98,117 @@
 //! same as alone, and the results come in order.
 //!
 //! # What to use
+//! Systems are run from the crate's root:
+//! - **Systems**: [`Filippov`], or [`Contacts`] in [`Several`], written for any [`Scalar`] with
+//!   [`Side`] and [`Mode`]. [`Unchecked`] leaves out the check of parameters. A start is a
+//!   [`State`], which has [`components`], or anything else that is [`IntoState`].
+//! - **Runs**: [`solve`] stores an [`Orbit`] with every [`Phase`], [`Transition`]
+//!   ([`TransitionKind`]) and [`StepRecord`], or returns a [`Failure`]. [`run`] reports them to
+//!   an [`Observer`]. [`Integration`] takes single steps and returns [`Progress`]. [`ensemble`]
+//!   runs from every [`Start`] of many. The systems that they take are [`Switched`].
+//! - **Settings**: [`Options`], with [`Method`], [`Locator`], [`AtRepelling`] and [`AtPileUp`].
+//! - **Ends**: [`Summary`], with [`Ending`] and [`Counters`]; [`TwoFold`] and the [`Approach`]
+//!   to it.
+//! - **Events**: [`EventFunctions`] and their [`Direction`], such as [`Plane`] and [`Strobe`].
+//!   [`solve_with_events`] stores an [`OrbitWithEvents`] with every [`EventRecord`];
+//!   [`EventSearch`] stores nothing. [`first_zero`] is for any function of one variable.
+//! - **Points of Σ**: [`fate`] returns a [`Fate`]. [`normal_component`] is the rate of the
+//!   boundary function, [`Visibility`] the kind of a tangency.
 //!
-//! | To … | use |
-//! |---|---|
-//! | write a system | [`Filippov`], [`Contacts`] in [`Several`], [`Scalar`], [`Side`], [`Mode`] |
-//! | let it jump | [`dynamics::WithJumps`], [`dynamics::Jumps`], [`dynamics::Reset`] |
-//! | run it and keep the orbit | [`solve`]: [`Orbit`], [`Phase`], [`Transition`], [`Failure`] |
-//! | run it step by step | [`Integration`], [`Progress`]; [`run`] with an [`Observer`] |
-//! | run many | [`ensemble`], [`Start`] |
-//! | choose how | [`Options`]: [`Method`], [`Locator`], [`AtRepelling`], [`AtPileUp`] |
-//! | know how it ended | [`Summary`]: [`Ending`], [`TwoFold`], [`Counters`] |
-//! | find events of your own | [`EventFunctions`], [`Plane`], [`Strobe`]; [`solve_with_events`] |
-//! | look at a point of Σ | [`fate`], [`Visibility`], [`normal_component`], [`boundary_gradient`] |
-//! | map a section to itself | [`analysis::PoincareMap`] |
-//! | find periodic orbits | [`analysis::find_periodic_orbit`], [`analysis::periodic_orbit`] |
-//! | judge their stability | [`analysis::monodromy`], [`analysis::multipliers`] |
-//! | follow them | [`analysis::continue_periodic_orbit`], [`analysis::switch_branches`] |
-//! | follow equilibria | [`analysis::continue_equilibrium`] |
-//! | follow a change in two parameters | [`analysis::continue_change`] |
-//! | find attractors and basins | [`analysis::attractor`], [`analysis::basin`] |
-//! | follow an attractor | [`analysis::sweep`], [`analysis::locate_changes`] |
-//! | measure exponents | [`analysis::lyapunov_spectrum`], [`analysis::largest_exponent`] |
-//! | use numbers of states from run time | [`dynamics::Dynamics`], [`dynamics::Vector`] |
-//! | compute with the same bits everywhere | [`math`] |
-//! | build a solver of your own | [`ode`]: steps, dense output, [`ode::henon_step`] |
+//! Orbits and families of orbits are studied in [`analysis`]:
+//! - **Periodic orbits**: [`find_periodic_orbit`](analysis::find_periodic_orbit),
+//!   [`periodic_orbit`](analysis::periodic_orbit),
+//!   [`periodic_orbit_forced`](analysis::periodic_orbit_forced) and
+//!   [`with_shortest_period`](analysis::with_shortest_period) return a
+//!   [`PeriodicOrbit`](analysis::PeriodicOrbit). [`multipliers`](analysis::multipliers),
+//!   [`multiplier_uncertainties`](analysis::multiplier_uncertainties) and
+//!   [`Stability`](analysis::Stability) judge it. [`monodromy`](analysis::monodromy) returns
+//!   the [`Monodromy`](analysis::Monodromy) of any orbit.
+//! - **Maps**: [`PoincareMap`](analysis::PoincareMap), an iterator over every
+//!   [`Return`](analysis::Return) to a section.
+//! - **Attractors**: [`attractor`](analysis::attractor),
+//!   [`attractor_of_many`](analysis::attractor_of_many) and
+//!   [`attractors_of_many`](analysis::attractors_of_many) return an
+//!   [`Attractor`](analysis::Attractor) with its [`AttractorKind`](analysis::AttractorKind), by
+//!   the criterion of [`RecurrenceSettings`](analysis::RecurrenceSettings).
+//!   [`Attractors`](analysis::Attractors) numbers them. [`basin`](analysis::basin) and
+//!   [`basin_while`](analysis::basin_while) return a [`Basin`](analysis::Basin), with the
+//!   [`Share`](analysis::Share) of each.
+//! - **Sweeps**: [`sweep`](analysis::sweep) follows an attractor by
+//!   [`SweepSettings`](analysis::SweepSettings) and returns every
+//!   [`SweepPoint`](analysis::SweepPoint). [`locate_changes`](analysis::locate_changes), or
+//!   [`locate_changes_within`](analysis::locate_changes_within) a
+//!   [`StepBudget`](analysis::StepBudget), returns every
+//!   [`AttractorChange`](analysis::AttractorChange): [`WhatChanges`](analysis::WhatChanges), or
+//!   why it is [`NotFollowed`](analysis::NotFollowed). [`carried_on`](analysis::carried_on) and
+//!   [`is_change`](analysis::is_change) serve loops of your own.
+//! - **Branches**: [`continue_periodic_orbit`](analysis::continue_periodic_orbit) returns a
+//!   [`Branch`](analysis::Branch) by [`ContinuationSettings`](analysis::ContinuationSettings):
+//!   every [`BranchPoint`](analysis::BranchPoint) and [`SpecialPoint`](analysis::SpecialPoint)
+//!   ([`CycleBifurcation`](analysis::CycleBifurcation),
+//!   [`SequenceChange`](analysis::SequenceChange),
+//!   [`SequenceBifurcation`](analysis::SequenceBifurcation)), and its [`Stop`](analysis::Stop).
+//!   [`PartialBranch`](analysis::PartialBranch) is one that can be stored and continued.
+//!   [`switch_branches`](analysis::switch_branches) returns every
+//!   [`SwitchedBranch`](analysis::SwitchedBranch).
+//!   [`continue_equilibrium`](analysis::continue_equilibrium) returns an
+//!   [`EquilibriumBranch`](analysis::EquilibriumBranch) with
+//!   [`EquilibriumPoint`](analysis::EquilibriumPoint),
+//!   [`SpecialEquilibrium`](analysis::SpecialEquilibrium) and
+//!   [`EquilibriumBifurcation`](analysis::EquilibriumBifurcation),
+//!   [`continue_change`](analysis::continue_change) a [`Curve`](analysis::Curve) in two
+//!   parameters with [`CurvePoint`](analysis::CurvePoint) and
+//!   [`CurveStop`](analysis::CurveStop).
+//! - **Exponents**: [`lyapunov_spectrum`](analysis::lyapunov_spectrum),
+//!   [`lyapunov_spectrum_watched`](analysis::lyapunov_spectrum_watched) and
+//!   [`largest_exponent`](analysis::largest_exponent), by
+//!   [`SpectrumOptions`](analysis::SpectrumOptions). A [`Spectrum`](analysis::Spectrum) has
+//!   every [`Exponent`](analysis::Exponent) and its [`Running`](analysis::Running) values.
+//! - **Derivatives**: [`orbit_derivatives`](analysis::orbit_derivatives) by every
+//!   [`Variable`](analysis::Variable) returns [`OrbitDerivatives`](analysis::OrbitDerivatives)
+//!   with [`EventDerivatives`](analysis::EventDerivatives),
+//!   [`periodic_derivatives`](analysis::periodic_derivatives) returns
+//!   [`PeriodicDerivatives`](analysis::PeriodicDerivatives) with
+//!   [`ExtremeDerivatives`](analysis::ExtremeDerivatives).
+//! - **Fits**: [`least_squares`](analysis::least_squares) and
+//!   [`constrained_least_squares`](analysis::constrained_least_squares) of
+//!   [`Residuals`](analysis::Residuals), with a [`Loss`](analysis::Loss) and
+//!   [`LeastSquaresSettings`](analysis::LeastSquaresSettings), return
+//!   [`LeastSquares`](analysis::LeastSquares) and their
+//!   [`LeastSquaresEnd`](analysis::LeastSquaresEnd); [`null_space`](analysis::null_space).
 //!
-//! The other names are settings and results of these, and are linked from their pages. [`error`]
-//! has the failures, [`scalar`] the numbers that carry derivatives and bounds.
+//! Sizes known only at run time, and jumps, are in [`dynamics`]:
+//! - **Systems**: [`Dynamics`](dynamics::Dynamics) is the interface of the analyses.
+//!   [`AsDynamics`](dynamics::AsDynamics) turns a typed system into a
+//!   [`DynamicsRef`](dynamics::DynamicsRef); so do [`Typed`](dynamics::Typed), and
+//!   [`WithJumps`](dynamics::WithJumps) for [`Jumps`](dynamics::Jumps).
+//!   [`Components`](dynamics::Components) are a start of any form.
+//! - **Runs**: [`OrbitUnderWay`](dynamics::OrbitUnderWay) returns
+//!   [`OrbitProgress`](dynamics::OrbitProgress): [`Step`](dynamics::Step),
+//!   [`Phase`](dynamics::Phase), [`Transition`](dynamics::Transition),
+//!   [`Kink`](dynamics::Kink), [`Passage`](dynamics::Passage) of a
+//!   [`Section`](dynamics::Section) and [`Summary`](dynamics::Summary). They hold a
+//!   [`Moment`](dynamics::Moment), [`Modes`](dynamics::Modes), a
+//!   [`Solution`](dynamics::Solution) over a step, a [`Vector`](dynamics::Vector) or a
+//!   [`Matrix`](dynamics::Matrix). A [`Listener`](dynamics::Listener) gets the steps of many
+//!   orbits, with what [`Watching`](dynamics::Watching) asks for.
+//!   [`Interrupt`](dynamics::Interrupt) ends a run, [`RunMemory`](dynamics::RunMemory) continues
+//!   one.
+//! - **Tangent vectors**: [`SmoothFlow`](dynamics::SmoothFlow) carries them over a step, by
+//!   [`Carrying`](dynamics::Carrying), and has every [`Guard`](dynamics::Guard) that ends it.
+//!   [`Reset`](dynamics::Reset) maps them at a jump, [`KinkShift`](dynamics::KinkShift) at the
+//!   kink of an input.
+//!
+//! Numbers and tools:
+//! - **Numbers**: [`math`], functions with the same bits everywhere. [`scalar::Dual`] carries a
+//!   derivative, [`scalar::Interval`] bounds. [`nalgebra`] has the vectors and matrices.
+//! - **Solvers of your own**: [`ode::RungeKutta`] methods [`ode::Dop853`] and [`ode::Rk4`];
+//!   their [`ode::stages`] ([`ode::Stages`]) and [`ode::dense_slopes`] give a [`ode::Dense`]
+//!   solution of a [`ode::Linear`] vector. [`ode::henon_step`] takes one with [`ode::Timed`]
+//!   states.
+//! - **Errors**: [`Error`], with [`error::Point`], [`error::ContactFault`] and
+//!   [`error::Accumulation`]. [`error::readable`] writes a number, [`error::pile_up_in_words`]
+//!   a message.
 //!
 //! # Errors
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
@@ -144,7 +228,7 @@ pub mod math;
 pub mod ode;
 mod orbit;
 pub mod scalar;
-pub mod system;
+mod system;
 mod taylor;
 
 /// The crate whose vectors and matrices appear in signatures. Use this one, so that the versions
@@ -153,15 +237,14 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventOf, EventRecord, EventSearch,
-    Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase,
-    PhaseOf, Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition,
-    TransitionKind, TransitionOf, Visibility, Watched, WatchedProgress, boundary_gradient,
-    ensemble, fate, first_zero, normal_component, run, solve, solve_with_events,
+    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
+    Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane, Progress,
+    Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind, Visibility, ensemble,
+    fate, first_zero, normal_component, run, solve, solve_with_events,
 };
-pub use orbit::{Approach, Counters, Ending, Orbit, Summary, SummaryOf, TwoFold};
+pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
 pub use scalar::Scalar;
-pub use system::{Filippov, Mode, Side, State};
+pub use system::{Filippov, IntoState, Mode, Side, State, Unchecked, components};
 
 /// The READMEs' examples are compiled and run with the documentation's.
 #[cfg(doctest)]

@@ -54,7 +54,7 @@ impl TwoFold {
     }
 }
 
-/// Why a run ended.
+/// Reason for the end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ending {
     /// The end time was reached.
@@ -93,7 +93,7 @@ pub type Summary<const N: usize> = SummaryOf<State<N>>;
 /// End of a streamed run; `X` is a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SummaryOf<X> {
-    /// Why it ended.
+    /// Reason for the end.
     pub ending: Ending,
     /// Last time.
     pub t: f64,
@@ -116,7 +116,7 @@ impl<X> SummaryOf<X> {
         }
     }
 
-    /// For a run that failed before its first step.
+    /// Summary of a run that failed before its first step.
     pub(crate) fn before_first_step(t: f64, x: X) -> Self {
         SummaryOf {
             ending: Ending::Failed,
@@ -138,7 +138,7 @@ pub struct Orbit<const N: usize, K = Mode> {
     pub steps: Vec<StepRecord<N, K>>,
     /// Work done.
     pub counters: Counters,
-    /// Why the run ended.
+    /// Reason for the end of the run.
     pub ending: Ending,
     /// First time.
     pub t_start: f64,

@@ -60,7 +60,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The other side.
+    /// The side across the boundary.
     pub fn opposite(self) -> Side {
         match self {
             Side::Below => Side::Above,
@@ -238,8 +238,7 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
 /// rejects, such as friction of the other sign.
 ///
 /// ```
-/// use stickslip::system::Unchecked;
-/// use stickslip::{Ending, Error, Filippov, Options, Scalar, Side, solve};
+/// use stickslip::{Ending, Error, Filippov, Options, Scalar, Side, Unchecked, solve};
 ///
 /// /// A body on a floor, braked by this friction.
 /// #[derive(Clone, Copy)]

@@ -13,7 +13,7 @@ use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_s
 /// The parameters and texts of one of the three figures.
 #[derive(Clone, Copy, Debug)]
 pub struct FigureSet {
-    /// Which of the three.
+    /// The figure.
     pub figure: SpectrumFigure,
     /// Parameters.
     pub caption: Caption,
@@ -90,7 +90,7 @@ pub enum AsPrintedOutcome {
 /// Content of the figure.
 #[derive(Clone, Debug)]
 pub struct Data {
-    /// Which of the three figures.
+    /// The figure, with its parameters and texts.
     pub set: &'static FigureSet,
     /// The model by the corrected equations.
     pub model: BlockAndBracket,

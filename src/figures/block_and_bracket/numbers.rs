@@ -185,7 +185,8 @@ impl FigureReading {
     }
 }
 
-/// By the estimate from data: the number of zero exponents, and whether the first is positive.
+/// Signs by the estimate from data: the number of zero exponents, and whether the first is
+/// positive.
 fn signs_in_data(spectrum: &DataSpectrum) -> (usize, bool) {
     let is_determined = |one: &&DataExponent| one.status == Status::Ok;
     let error = |one: &DataExponent| STANDARD_ERRORS * one.stderr + one.eps_sensitivity.abs();
@@ -205,9 +206,9 @@ const STANDARD_ERRORS: f64 = 3.0;
 pub struct ExponentComparison {
     /// Index in the spectrum, from 0.
     pub index: usize,
-    /// From data, per unit of `t`.
+    /// Exponent from data, per unit of `t`.
     pub from_data: f64,
-    /// From the equations, per unit of `t`.
+    /// Exponent from the equations, per unit of `t`.
     pub from_equations: f64,
     /// Largest difference explained by the known errors, per unit of `t`; see [`compare`].
     pub allowed: f64,

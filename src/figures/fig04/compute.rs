@@ -44,7 +44,7 @@ pub struct Data {
     pub zones: Vec<(f64, f64)>,
     /// Starts of the orbits: the tangent points, then the other starts.
     pub starts: Vec<(f64, f64)>,
-    /// Their orbits as curves.
+    /// Orbits from the starts, as curves.
     pub orbits: Vec<Vec<(f64, f64)>>,
     /// Whether each orbit has a stick phase.
     pub sticks: Vec<bool>,

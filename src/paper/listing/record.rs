@@ -103,7 +103,7 @@ pub struct Stick {
 }
 
 impl Stick {
-    /// From a stick phase of an accurate solution.
+    /// The stick of a phase of an accurate solution.
     pub(crate) fn of(phase: &Phase<2>) -> Stick {
         Stick {
             entry: Instant::of(phase.t_start, &phase.x_start),

@@ -23,7 +23,7 @@ pub struct Setup {
     pub tangent_points: [f64; 6],
     /// The start: time (s), displacement (m) and velocity (m/s), the listing's `x`.
     pub start: [f64; 3],
-    /// Which defects are present.
+    /// Defects that are present.
     pub defects: Defects,
     /// Step in seconds. Longer steps than a twentieth of the forcing period
     /// cannot distinguish periods.

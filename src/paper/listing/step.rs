@@ -89,7 +89,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// How the run ended, if the state is no longer a motion of the oscillator. `t` is the time
+    /// Breakdown of the run, if the state is no longer a motion of the oscillator. `t` is the time
     /// before the last pass.
     pub(super) fn breakdown(&self, t: f64) -> Option<Motion> {
         let outermost = self.setup.tangent_points[0];

@@ -14,7 +14,7 @@ pub struct Cubic {
     k2: f64,
 }
 
-/// Which friction force balances the spring at a tangent point.
+/// Sign of the friction force that balances the spring at a tangent point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Balance {
     /// `k₂z³ - k₁z = +μ₀`.
@@ -30,7 +30,7 @@ pub enum Balance {
 pub struct TangentPoint {
     /// Position (relative to the forced end of the spring in model 2), m.
     pub z: f64,
-    /// Which of the two equations it solves.
+    /// Equation that it solves.
     pub balance: Balance,
     /// Multiplicity of the zero of `σ`: 2 where it touches the axis without crossing it, else 1.
     pub multiplicity: u8,

@@ -240,7 +240,7 @@ fn on_forced(model: &ForcedOscillator) -> Result<Event, Error> {
     event.ok_or_else(|| not_found("a long stick phase that ends at an upper end", 0.0, span))
 }
 
-/// The one with the smaller error.
+/// Selects the one with the smaller error.
 fn better<'a>(one: &'a EventErrors, other: &'a EventErrors) -> &'a EventErrors {
     match other.at_printed_step < one.at_printed_step {
         true => other,

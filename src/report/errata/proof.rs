@@ -42,7 +42,7 @@ pub struct Proof {
 }
 
 impl Proof {
-    /// From results with their own descriptions, or from values that the table describes.
+    /// A proof from results with their own descriptions, or from values that the table describes.
     pub(in crate::report) fn new<S: Into<ProofResult>>(
         misprint: &'static str,
         shown: impl IntoIterator<Item = S>,

@@ -14,8 +14,7 @@ use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
 use numerics::bisect;
-use stickslip::system::Unchecked;
-use stickslip::{Ending, Error, Fate, State, fate};
+use stickslip::{Ending, Error, Fate, State, Unchecked, fate};
 
 /// Positions between the outer tangent points that are tested for sticking. The results are ratios
 /// over the same positions, so their number does not matter.

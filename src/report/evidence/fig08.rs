@@ -19,7 +19,7 @@ use stickslip::{Error, Filippov, Mode, Side, solve};
 /// Forcing periods of the settled motion that are examined: two of the published pattern.
 const PERIODS_EXAMINED: f64 = 4.0;
 
-/// How many of the four published numbers a run of the listing gives to all printed digits.
+/// Number of the four published numbers that a run of the listing gives to all printed digits.
 fn published_digits(claims: &Claims, run: &Run) -> usize {
     let numbers = run.stick_numbers().into_iter().flatten();
     let numbers = ClaimId::STICK_NUMBERS.into_iter().zip(numbers);
@@ -34,7 +34,7 @@ struct StartResult {
     x1: f64,
     /// Time of the listing's first release (s).
     first_release: f64,
-    /// How many of the four published numbers the listing settles on to all printed digits.
+    /// Number of the four published numbers on which the listing settles to all printed digits.
     digits: usize,
     /// Whether the stated model settles on stick–slip of period two.
     model_two_periodic: bool,
@@ -164,7 +164,7 @@ pub(super) fn arcs() -> Result<(Vec<Finding>, Proof), Error> {
     ))
 }
 
-/// For the attractor of the stated model, or of a similar one.
+/// Sides of the attractor of the stated model, or of a similar one.
 fn sides_of_model<S: Filippov<2>>(system: &S) -> Result<SlipSides, Error> {
     let printed = ForcedOscillator::default();
     let end = END + PERIODS_EXAMINED * printed.period();
@@ -196,7 +196,7 @@ fn side_of(mode: Mode) -> Option<Side> {
     }
 }
 
-/// For the listing as printed, in the plotted window.
+/// Sides of the listing as printed, in the plotted window.
 fn sides_of_listing() -> SlipSides {
     let setup = Setup::default();
     let mut window: Vec<Sample> = Vec::new();

@@ -79,7 +79,7 @@ impl Loops {
         })
     }
 
-    /// In words.
+    /// Describes the loops in words.
     pub fn sentence(&self) -> String {
         let (all, one) = self.starts;
         let changes = self.nearest.iter().map(|(name, factor)| {

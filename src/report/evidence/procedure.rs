@@ -111,7 +111,7 @@ pub(super) fn one_rig(captions: &[Caption; 3]) -> Vec<Finding> {
 /// of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LowerEnds {
-    /// Those at a lower end.
+    /// Phases that end at a lower end.
     pub missed: usize,
     /// All.
     pub all: usize,
@@ -124,7 +124,7 @@ impl LowerEnds {
         (what, self.missed == 0)
     }
 
-    /// In words.
+    /// Describes the count in words.
     pub(in crate::report) fn sentence(self) -> String {
         let LowerEnds { missed, all } = self;
         format!(

@@ -71,7 +71,7 @@ impl Exits {
         exits
     }
 
-    /// By the zone and the end that the listing reports.
+    /// Exits by the zone and the end that the listing reports.
     fn of_listing(phases: &[StickPhase]) -> Exits {
         let mut exits = Exits::default();
         for phase in phases {
@@ -158,7 +158,7 @@ struct Meetings {
     outside_zones: f64,
 }
 
-/// Between start and end the body moves uniformly.
+/// Meetings of the body with the tangent points: between start and end it moves uniformly.
 fn meetings(
     model: &ForcedOscillator,
     set: &TangentSet,

@@ -1,4 +1,4 @@
-//! How Figs. 10–12 can be read: a row for each.
+//! Readings of Figs. 10–12: a row for each.
 
 use maud::{Markup, html};
 

@@ -1,4 +1,4 @@
-//! With the spring of Eq. (4) no start settles: exponents and stick phases of these motions.
+//! Chaotic motions with the spring of Eq. (4), where no start settles: exponents and stick phases.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::paper::models::ForcedOscillator;
 use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
-/// One of so many of the scan's starts is integrated: all lead to motions of one kind.
+/// Stride of the scan's starts that are integrated: all lead to motions of one kind.
 const START_STRIDE: usize = 10;
 /// Forcing periods before measuring.
 const TRANSIENT: f64 = 100.0;

@@ -40,7 +40,7 @@ pub struct ParameterScan {
     pub name: &'static str,
     /// Symbol in figures.
     pub symbol: &'static str,
-    /// In ascending order.
+    /// Points in ascending order.
     pub points: Vec<ParameterPoint>,
 }
 

@@ -10,8 +10,7 @@ use crate::paper::{ESCAPE, SETTLING_TOLERANCE};
 use crate::report::stick_exits;
 use crate::text::described;
 use stickslip::dynamics::{Components, Vector};
-use stickslip::system::Unchecked;
-use stickslip::{AtRepelling, Error, Options, State, solve};
+use stickslip::{AtRepelling, Error, Options, State, Unchecked, solve};
 
 described! {
     /// Class of the motion from a start.

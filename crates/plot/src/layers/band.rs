@@ -18,12 +18,12 @@ pub struct Band {
 }
 
 impl Band {
-    /// From abscissa to abscissa over the whole height, such as the time of a stick phase.
+    /// A band from abscissa to abscissa over the whole height, such as the time of a stick phase.
     pub fn x(from: f64, to: f64) -> Self {
         Self::rect((from, to), (f64::NEG_INFINITY, f64::INFINITY))
     }
 
-    /// From ordinate to ordinate over the whole width.
+    /// A band from ordinate to ordinate over the whole width.
     pub fn y(from: f64, to: f64) -> Self {
         Self::rect((f64::NEG_INFINITY, f64::INFINITY), (from, to))
     }

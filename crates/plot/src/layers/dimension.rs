@@ -22,7 +22,7 @@ pub struct Dimension {
 }
 
 impl Dimension {
-    /// From point to point in data units, with a text in markup above the middle.
+    /// A dimension from point to point in data units, with a text in markup above the middle.
     pub fn new(from: (f64, f64), to: (f64, f64), text: &str) -> Self {
         Self {
             from,

@@ -52,9 +52,9 @@ pub trait Layer {
 /// A place in a panel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Position {
-    /// In data units.
+    /// Data units.
     Data(f64, f64),
-    /// In fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right
+    /// Fractions of the plot rectangle: (0, 0) is its lower left corner, (1, 1) its upper right
     /// one.
     Fraction(f64, f64),
 }

@@ -96,7 +96,7 @@ pub struct Group {
     pub exponents: usize,
     /// Count with the default settings.
     pub found: Count,
-    /// By Sano and Sawada's estimator.
+    /// Count with Sano and Sawada's estimator.
     pub sano_sawada: Count,
 }
 

@@ -15,14 +15,14 @@ use super::systems::Case;
 /// Standard deviation of the noise, as a fraction of that of the column.
 pub const NOISE: f64 = 0.001;
 
-/// Which components of the states are observed.
+/// Observed components of the states.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observed {
     /// All of them.
     States,
     /// All of them, with noise of [`NOISE`].
     Noisy,
-    /// One of their components, a different one from seed to seed.
+    /// One component of the states, a different one from seed to seed.
     Column,
 }
 
@@ -56,7 +56,7 @@ pub struct Row {
     pub known: f64,
     /// Verdict with the default settings; `None` where there are fewer exponents.
     pub found: Option<Verdict>,
-    /// By Sano and Sawada's estimator.
+    /// Verdict with Sano and Sawada's estimator.
     pub sano_sawada: Option<Verdict>,
 }
 

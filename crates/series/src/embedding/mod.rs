@@ -24,7 +24,7 @@ const LEAST_RISE: f64 = 0.01;
 /// determines the other up to two or three classes, as on a closed curve. The information on a
 /// curve has no true minimum; apparent ones come from the borders of the classes.
 const CURVE_INFORMATION: f64 = 0.5;
-/// On a curve the search stops after this many decorrelation times, which is a period or more. The
+/// Decorrelation times after which the search stops on a curve, which are a period or more. The
 /// period of a sine has 5.3.
 const CURVE_DECORRELATIONS: usize = 6;
 /// The curve is reported up to this many times the delay, so that a plot shows the minimum inside.

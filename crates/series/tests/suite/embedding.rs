@@ -17,7 +17,7 @@ fn choice(series: &Series) -> EmbeddingChoice {
     choose_embedding(series, &EmbeddingSettings::default(), &unwatched).unwrap()
 }
 
-/// As the program does it.
+/// Estimates an embedded series as the program does.
 fn embedded(series: &Series, embedding: Embedding) -> (DataSpectrum, Reversal) {
     let estimator = DataSettings::default().estimator;
     embedded_by(estimator, series, embedding)

@@ -7,9 +7,8 @@ mod extrapolated;
 mod second_opinion;
 
 use nalgebra::{Matrix2, Vector2};
-use stickslip::math;
 use stickslip::ode::{Rk4, stages};
-use stickslip::system::State;
+use stickslip::{State, math};
 use stickslip_series::{
     DataError, DataSettings, DataSpectrum, DirectionKind, Estimator, MAX_COLUMNS, Neighbourhood,
     Series, Status, data_spectrum,

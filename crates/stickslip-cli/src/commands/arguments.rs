@@ -190,7 +190,7 @@ enum MethodName {
     Dop853,
 }
 
-/// What to do where the future is not unique.
+/// Choice where the future is not unique.
 #[derive(Clone, Copy, Debug, Default, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Repelling {
@@ -203,7 +203,7 @@ enum Repelling {
     Above,
 }
 
-/// What to do where transitions accumulate.
+/// Choice where transitions accumulate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum PileUp {
@@ -231,7 +231,7 @@ fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
     })
 }
 
-/// How to integrate.
+/// Options of the integration.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
     /// Relative and absolute tolerance of each step, between 1e-15 and 0.1
@@ -262,11 +262,11 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "COUNT", default_value = "10000000", value_parser = count)]
     most_steps: NonZeroUsize,
 
-    /// What to do where both fields lead away from the boundary
+    /// Choice where both fields lead away from the boundary
     #[arg(long, value_enum, default_value_t)]
     at_repelling: Repelling,
 
-    /// What to do where infinitely many transitions accumulate in finite time (Zeno)
+    /// Choice where infinitely many transitions accumulate in finite time (Zeno)
     #[arg(long, value_enum, default_value_t)]
     #[serde(default, skip_serializing_if = "PileUp::is_default")]
     at_pile_up: PileUp,

@@ -42,7 +42,7 @@ pub(super) fn columns<'a, R>(
         })
 }
 
-/// Why a run failed.
+/// Error of a failed run, in words.
 pub(super) fn reason(reached: &Attractor) -> Option<String> {
     match &reached.kind {
         AttractorKind::Failure(error) => Some(error.to_string()),

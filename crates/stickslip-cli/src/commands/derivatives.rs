@@ -176,7 +176,7 @@ pub(super) fn put_of_orbit(
     Ok(())
 }
 
-/// What is differentiated, and its derivatives.
+/// Rows of each differentiated quantity and its derivatives.
 fn rows(system: &System, found: &OrbitSlopes) -> Vec<(String, Vec<f64>)> {
     let mut rows = vec![("period".to_owned(), found.orbit.period.clone())];
     let states = system.file.states.iter().enumerate();

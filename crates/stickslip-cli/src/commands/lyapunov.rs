@@ -116,7 +116,7 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
     Ok(report)
 }
 
-/// Why an exponent is not finite.
+/// Cause of an exponent that is not finite.
 fn annihilated(system: &System) -> &'static str {
     let has_discrete = system.file.states.iter().any(|state| state.is_discrete);
     match (system.contacts() > 0, has_discrete) {

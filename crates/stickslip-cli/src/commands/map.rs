@@ -243,7 +243,7 @@ struct Class {
 
 /// Results of a map.
 struct MapResults {
-    /// In the order of first appearance.
+    /// Classes in the order of first appearance.
     classes: Vec<Class>,
     /// Row by row from the lowest second parameter.
     cells: Vec<CellShown>,

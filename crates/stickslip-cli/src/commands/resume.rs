@@ -27,7 +27,7 @@ pub(super) struct End {
     t: f64,
     /// The state, by name.
     state: BTreeMap<String, f64>,
-    /// What the run depends on besides its start, by name: the hash of the system's text, its
+    /// Dependencies of the run besides its start, by name: the hash of the system's text, its
     /// parameters, the options of the solver.
     depends_on: BTreeMap<String, String>,
     /// Hash of the memory: a changed one would go on from nowhere.
@@ -41,7 +41,7 @@ fn hash(memory: &RunMemory) -> String {
     digest(text.as_bytes())
 }
 
-/// What a run of a system depends on besides its start.
+/// Dependencies of a run of a system besides its start.
 fn depends_on(system: &System, options: &Options) -> BTreeMap<String, String> {
     let mut parts = BTreeMap::from([
         ("program".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),

@@ -83,7 +83,7 @@ impl SearchArguments {
     }
 }
 
-/// Why the search failed, and what to change.
+/// Words for the failure of a search, and its remedy.
 fn in_words(error: SearchError, system: &System) -> Failure {
     let comes_to = |rest: &str| {
         Failure::NoPeriodicOrbit(format!(

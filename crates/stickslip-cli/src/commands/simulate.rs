@@ -182,7 +182,7 @@ pub(super) fn passage_columns<'a>(
         .state(system, "", |(_, at)| at.x.clone())
 }
 
-/// How a run ended, in words.
+/// Words for the end of a run.
 pub(super) fn ending(ended: Option<&Summary>) -> &'static str {
     match ended.map(|ended| ended.ending) {
         Some(Ending::EndTime) => "end time",

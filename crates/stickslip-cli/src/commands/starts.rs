@@ -18,7 +18,7 @@ use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table};
 use output::terminal::with_spinner;
 
-/// What a column of the table sets.
+/// Target of a column of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Column {
     State(usize),
@@ -88,7 +88,7 @@ impl Starts {
     }
 }
 
-/// What a name in the first line sets.
+/// Finds the target that a name in the first line sets.
 fn column(input: &str, name: &str, system: &System) -> Result<Column, Failure> {
     let (file, plain) = (&system.file, normal(name));
     let state = file.states.iter().position(|state| state.name == plain);

@@ -20,7 +20,7 @@ pub(crate) use words::{
 
 /// Final output of a command.
 pub(crate) struct CommandOutput {
-    /// For standard output.
+    /// Text for standard output.
     pub(crate) text: String,
     /// An error that occurred after the results were computed.
     pub(crate) failure: Option<String>,

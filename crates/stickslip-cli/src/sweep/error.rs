@@ -149,7 +149,7 @@ pub enum SweepError {
         total: usize,
         /// Missing blocks, as ranges.
         which: String,
-        /// Which of them are damaged, as text; empty if none are.
+        /// Damaged ones among them, as text; empty if none are.
         damaged: String,
     },
     /// Two shares have the same block with different content.

@@ -12,10 +12,10 @@ const TIME: [&str; 2] = ["t", "time"];
 /// Maximum number of names that a message lists, and of characters of a cell that it shows.
 const MOST_LISTED_NAMES: usize = 20;
 const MOST_SHOWN_CHARACTERS: usize = 40;
-/// This many values are in rising order by chance with probability 1/10!, one in 3.6 million.
+/// Number of values that are in rising order by chance with probability 1/10!, one in 3.6 million.
 const RISING_ROWS: usize = 10;
 
-/// Which columns are read, and the rows so far.
+/// Columns to read, and the rows so far.
 pub(super) struct Rows<'a> {
     input: &'a str,
     /// Number of columns in the file.

@@ -319,7 +319,7 @@ fn a_folder_is_not_named_after_an_option() {
     assert_eq!(std::fs::read_dir(top.path()).unwrap().count(), 0);
 }
 
-/// What a command prints as JSON.
+/// Runs a command and reads the JSON that it prints.
 fn json(folder: &Path, arguments: &[&str]) -> serde_json::Value {
     let mut program = program(folder);
     let output = program.args(arguments).arg("--json").assert().success();

@@ -22,7 +22,7 @@ fn followed(arguments: &[&str]) -> (Value, Vec<Value>) {
     (json, branch)
 }
 
-/// The same, with the rows of `special.csv`.
+/// Runs the program for a branch; also returns the rows of `special.csv`.
 fn with_special(arguments: &[&str]) -> (Value, Vec<Value>, Vec<Value>) {
     let top = tempfile::tempdir().unwrap();
     let output = program(top.path(), arguments)

@@ -1,4 +1,4 @@
-//! What commands print and write of systems with jumps, discrete states and inputs.
+//! Output and files of commands for systems with jumps, discrete states and inputs.
 
 use crate::public_cases::{METHODS, program, results};
 

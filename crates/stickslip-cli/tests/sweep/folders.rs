@@ -234,7 +234,7 @@ fn blocks_of_a_share_that_another_process_computes_are_not_removed() {
     Writer::check(folder.path(), &super::common::plan(3, 1)).unwrap();
 }
 
-/// What a command reports about its blocks: how many it has computed and found.
+/// Counts of the blocks that a command reports: computed and found.
 fn blocks_of(folder: &Path, arguments: &[&str]) -> (u64, u64) {
     let output = program(folder).args(arguments).arg("--json").unwrap();
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

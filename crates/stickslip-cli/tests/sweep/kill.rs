@@ -18,7 +18,7 @@ fn long() -> Plan {
     plan(5, 8)
 }
 
-/// As slow as needed for a kill in the middle.
+/// Computes as slowly as needed for a kill in the middle.
 fn slowly(plan: &Plan, folder: &Path) -> Result<Computed, SweepError> {
     run(&task(plan, folder), &|_, _| {}, |index, before| {
         sleep(Duration::from_millis(5));

@@ -1,4 +1,4 @@
-//! The same bits on any number of threads, in any shares, after any damage.
+//! Identity of the bits on any number of threads, in any shares, after any damage.
 
 use std::fs;
 use std::num::NonZeroUsize;

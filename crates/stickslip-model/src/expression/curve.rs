@@ -9,7 +9,7 @@ use stickslip::error::readable;
 /// refused there. Chosen: rounding of an argument is a millionth of it.
 const MARGIN: f64 = 1e-9;
 
-/// What a curve is between its points.
+/// Interpolation of a curve between its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Between {
     /// Straight lines.
@@ -19,7 +19,7 @@ pub enum Between {
     Monotone,
 }
 
-/// What a curve is beyond its first and last point.
+/// Continuation of a curve beyond its first and last point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Beyond {
     /// The value at the end.
@@ -33,8 +33,8 @@ pub enum Beyond {
 
 /// A continuous function of one argument: a polynomial on each of its pieces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
-    /// Where one piece ends and the next begins.
+pub struct PiecewisePolynomial {
+    /// Abscissas at which one piece ends and the next begins.
     cuts: Vec<f64>,
     /// One more than there are cuts.
     pieces: Vec<Polynomial>,
@@ -48,7 +48,7 @@ struct Polynomial {
     coefficients: [f64; 4],
 }
 
-/// Why points make no curve.
+/// Reason for which points make no curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoCurve {
     /// The fault.
@@ -93,7 +93,7 @@ impl Polynomial {
     }
 }
 
-impl Curve {
+impl PiecewisePolynomial {
     /// A curve through the points `(xs[k], ys[k])`, of which there are as many `xs` as `ys`.
     ///
     /// # Errors
@@ -157,10 +157,10 @@ impl Curve {
             pieces.insert(0, before);
             pieces.push(behind);
         }
-        Ok(Curve { cuts, pieces })
+        Ok(PiecewisePolynomial { cuts, pieces })
     }
 
-    /// Its value.
+    /// Value of the curve.
     pub fn of<T: Scalar>(&self, x: T) -> T {
         x.in_pieces(&self.cuts, |piece, x| match self.pieces.get(piece) {
             Some(polynomial) => polynomial.of(x),
@@ -168,10 +168,10 @@ impl Curve {
         })
     }
 
-    /// Its slope as a function, which has steps where lines meet.
+    /// Slope of the curve as a function, which has steps where lines meet.
     #[must_use]
     pub fn derivative(&self) -> Self {
-        Curve {
+        PiecewisePolynomial {
             cuts: self.cuts.clone(),
             pieces: self.pieces.iter().map(Polynomial::derivative).collect(),
         }
@@ -231,8 +231,8 @@ mod tests {
     const XS: [f64; 5] = [0.0, 0.5, 1.25, 2.0, 4.0];
     const YS: [f64; 5] = [0.4, 0.3, 0.32, 0.32, -1.0];
 
-    fn curve(between: Between, beyond: Beyond) -> Curve {
-        Curve::new(&XS, &YS, between, beyond).expect("a curve")
+    fn curve(between: Between, beyond: Beyond) -> PiecewisePolynomial {
+        PiecewisePolynomial::new(&XS, &YS, between, beyond).expect("a curve")
     }
 
     #[test]
@@ -288,7 +288,8 @@ mod tests {
                 ],
             ),
         ] {
-            let curve = Curve::new(&XS, &ys, Between::Monotone, Beyond::Extend).expect("a curve");
+            let curve = PiecewisePolynomial::new(&XS, &ys, Between::Monotone, Beyond::Extend)
+                .expect("a curve");
             for (x, wanted) in XS.into_iter().zip(slopes) {
                 let found = curve.of(Dual::new(x, 1.0)).eps;
                 assert!((found - wanted).abs() < 1e-14, "{found} {wanted}");
@@ -322,9 +323,10 @@ mod tests {
 
     #[test]
     fn points_out_of_order_are_refused() {
-        let one = Curve::new(&[0.0], &[1.0], Between::Linear, Beyond::Hold);
+        let one = PiecewisePolynomial::new(&[0.0], &[1.0], Between::Linear, Beyond::Hold);
         assert_eq!(one.unwrap_err().message, "a curve of 1 points");
-        let same = Curve::new(&[0.0, 1.0, 1.0], &[1.0; 3], Between::Linear, Beyond::Hold);
+        let same =
+            PiecewisePolynomial::new(&[0.0, 1.0, 1.0], &[1.0; 3], Between::Linear, Beyond::Hold);
         let message = same.unwrap_err().message;
         assert!(
             message.contains("1 comes before 1, as number 2 and 3 of 3"),

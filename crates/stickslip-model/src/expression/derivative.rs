@@ -9,7 +9,7 @@ use super::tree::Binary;
 
 /// An input of a graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Variable {
+pub enum GraphInput {
     /// Time.
     Time,
     /// A component of the state, counted from 0.
@@ -27,7 +27,7 @@ impl Graph {
     pub fn along(
         &mut self,
         root: Id,
-        direction: impl Fn(Variable) -> Option<Id>,
+        direction: impl Fn(GraphInput) -> Option<Id>,
     ) -> Result<Option<Id>, NotANumber> {
         let is_used = self.used_by(&[root]);
         let mut derivatives: Vec<Option<Id>> = vec![None; is_used.len()];
@@ -35,8 +35,8 @@ impl Graph {
             let of = |id: Id| derivatives[id.index()];
             let found = match self.node(Id::of(i)) {
                 Node::Constant(_) => None,
-                Node::Input(0) => direction(Variable::Time),
-                Node::Input(k) => direction(Variable::State(usize::from(k) - 1)),
+                Node::Input(0) => direction(GraphInput::Time),
+                Node::Input(k) => direction(GraphInput::State(usize::from(k) - 1)),
                 Node::Negative(a) => of(a).map(|da| self.negative(da)).transpose()?,
                 Node::Sum(a, b) => self.added(of(a), of(b))?,
                 Node::Difference(a, b) => self.less(of(a), of(b))?,
@@ -219,7 +219,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expression::{Between, Beyond, Curve, ExpressionKind, Tape, parse};
+    use crate::expression::{Between, Beyond, ExpressionKind, PiecewisePolynomial, Tape, parse};
     use stickslip::scalar::Dual;
 
     /// Adds an expression of `x`, `y` and `t` to a graph.
@@ -265,9 +265,9 @@ mod tests {
         built.expect("finite")
     }
 
-    fn curve() -> Curve {
+    fn curve() -> PiecewisePolynomial {
         let (xs, ys) = ([0.0, 0.5, 1.0, 1.5], [1.0, 0.5, 2.0, 2.5]);
-        Curve::new(&xs, &ys, Between::Monotone, Beyond::Hold).expect("a curve")
+        PiecewisePolynomial::new(&xs, &ys, Between::Monotone, Beyond::Hold).expect("a curve")
     }
 
     /// Derivatives as expressions are those of dual numbers, to rounding.
@@ -288,10 +288,10 @@ mod tests {
             let mut graph = Graph::new();
             let root = number(&mut graph, &parse(text).expect("text"));
             let (one, half) = (graph.constant(1.0).unwrap(), graph.constant(0.5).unwrap());
-            let direction = |of: Variable| match of {
-                Variable::Time => Some(half),
-                Variable::State(0) => Some(one),
-                Variable::State(_) => None,
+            let direction = |of: GraphInput| match of {
+                GraphInput::Time => Some(half),
+                GraphInput::State(0) => Some(one),
+                GraphInput::State(_) => None,
             };
             let derivative = graph.along(root, direction).expect("finite").expect("some");
             let tape = Tape::new(&graph, &[root, derivative], 2).expect("short");

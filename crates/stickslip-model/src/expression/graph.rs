@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::curve::Curve;
+use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::tree::Binary;
 use stickslip::math;
@@ -30,7 +30,7 @@ pub struct NotANumber {
     pub value: f64,
 }
 
-/// How a number is computed. Constants are stored as bits, so that equal ones compare equal.
+/// Computation of a number. Constants are stored as bits, so that equal ones compare equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(u64),
@@ -94,7 +94,7 @@ impl Node {
 pub struct Graph {
     nodes: Vec<Node>,
     ids: FxHashMap<Node, Id>,
-    curves: Vec<Arc<Curve>>,
+    curves: Vec<Arc<PiecewisePolynomial>>,
 }
 
 type NodeResult = Result<Id, NotANumber>;
@@ -276,7 +276,7 @@ impl Graph {
     ///
     /// # Errors
     /// See [`Graph::constant`].
-    pub fn curve(&mut self, curve: &Arc<Curve>, a: Id) -> NodeResult {
+    pub fn curve(&mut self, curve: &Arc<PiecewisePolynomial>, a: Id) -> NodeResult {
         if let Some(a) = self.value(a) {
             return self.constant(curve.of(a));
         }
@@ -290,7 +290,7 @@ impl Graph {
     }
 
     /// The curves that numbers of the graph are computed by.
-    pub(super) fn curves(&self) -> &[Arc<Curve>] {
+    pub(super) fn curves(&self) -> &[Arc<PiecewisePolynomial>] {
         &self.curves
     }
 
@@ -369,12 +369,12 @@ impl Graph {
         self.find(exchanged).unwrap_or_else(|| self.add(node))
     }
 
-    /// For every index, whether the number is one of `roots` or an operand of them at any depth.
+    /// Marks, by index, the numbers that are one of `roots` or an operand of them at any depth.
     pub(super) fn used_by(&self, roots: &[Id]) -> Vec<bool> {
         self.reached(roots, Node::operands)
     }
 
-    /// As [`Graph::used_by`], through some of the operands.
+    /// Marks the numbers of [`Graph::used_by`], through some of the operands.
     fn reached(&self, roots: &[Id], operands: fn(Node) -> [Option<Id>; 2]) -> Vec<bool> {
         let mut is_used = vec![false; self.nodes.len()];
         for root in roots {

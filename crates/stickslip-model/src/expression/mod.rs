@@ -21,8 +21,8 @@ mod tape;
 mod token;
 mod tree;
 
-pub use curve::{Between, Beyond, Curve, NoCurve};
-pub use derivative::Variable;
+pub use curve::{Between, Beyond, NoCurve, PiecewisePolynomial};
+pub use derivative::GraphInput;
 pub use functions::{FUNCTIONS, Function};
 pub use graph::{Graph, Id, NotANumber};
 pub use parse::{CHOICE, parse, parse_condition};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use stickslip::Scalar;
 
-use super::curve::Curve;
+use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::graph::{Graph, Id, Node};
 
@@ -28,17 +28,17 @@ pub struct TooLarge;
 /// Several expressions of time and state, evaluated together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tape {
-    steps: Vec<Step>,
+    steps: Vec<TapeStep>,
     registers: usize,
     outputs: Vec<Output>,
-    curves: Vec<Arc<Curve>>,
+    curves: Vec<Arc<PiecewisePolynomial>>,
     /// Whether all numbers are affine functions of states and time.
     is_affine: bool,
 }
 
 /// One operation: register `to` becomes `a operation b`, or `a operation constant`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Step {
+struct TapeStep {
     operation: Operation,
     a: u16,
     b: u16,
@@ -207,7 +207,7 @@ impl CalledOperation {
 }
 
 #[inline(never)]
-fn on_curve<T: Scalar>(curve: Option<&Arc<Curve>>, a: T) -> T {
+fn on_curve<T: Scalar>(curve: Option<&Arc<PiecewisePolynomial>>, a: T) -> T {
     curve.map_or(T::constant(f64::NAN), |curve| curve.of(a))
 }
 
@@ -225,7 +225,7 @@ struct Layout<'a> {
     register: Vec<Option<u16>>,
     free: Vec<u16>,
     given: usize,
-    steps: Vec<Step>,
+    steps: Vec<TapeStep>,
 }
 
 impl<'a> Layout<'a> {
@@ -332,7 +332,7 @@ impl<'a> Layout<'a> {
         self.release([Some(a), b], i);
         let to = self.take()?;
         self.register[i] = Some(to);
-        self.steps.push(Step {
+        self.steps.push(TapeStep {
             operation,
             a: from,
             b: with,
@@ -354,7 +354,7 @@ impl<'a> Layout<'a> {
             self.release([Some(a), None], i);
             let to = self.take()?;
             self.register[i] = Some(to);
-            self.steps.push(Step {
+            self.steps.push(TapeStep {
                 operation: Operation::Called(CalledOperation::Call(function)),
                 a: from,
                 b: 0,
@@ -370,7 +370,7 @@ impl<'a> Layout<'a> {
             Function::Sin => (first, second),
             _ => (second, first),
         };
-        self.steps.push(Step {
+        self.steps.push(TapeStep {
             operation: Operation::SineCosine,
             a: from,
             b: cosine,
@@ -394,7 +394,7 @@ impl<'a> Layout<'a> {
         }
         let to = self.take()?;
         self.register[operand.index()] = Some(to);
-        self.steps.push(Step {
+        self.steps.push(TapeStep {
             operation: Operation::Constant,
             a: 0,
             b: 0,

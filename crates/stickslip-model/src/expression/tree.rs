@@ -45,7 +45,7 @@ pub enum Condition {
     Comparison {
         /// The number that is asked to be larger.
         larger: Expression,
-        /// The other number.
+        /// The number that is asked to be smaller.
         smaller: Expression,
         /// Whether equal numbers count.
         with_equal: bool,

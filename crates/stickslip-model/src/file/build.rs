@@ -12,7 +12,7 @@ use crate::expression::{
     Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
 };
 use crate::kernel::{
-    Combination, Condition, Fields, HELD_PER_INPUT, Input, Jump, Map, Shape, Switching, pulse,
+    Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching, pulse,
     sides_to_check,
 };
 
@@ -151,7 +151,7 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
         .collect()
 }
 
-/// What a formula of a section is called in messages.
+/// Name of a section's formula in messages.
 const SECTION: &str = "a section";
 
 /// The tape of a formula without sides, at a place of this name.
@@ -380,7 +380,7 @@ fn switching(
             direction: entry.direction,
             condition: match condition {
                 None => None,
-                Some((test, leads)) => Some(Condition {
+                Some((test, leads)) => Some(JumpCondition {
                     test: (**test).clone(),
                     count: leads.len(),
                     leads: tape(file, graph, &leads, inputs)?,

@@ -34,7 +34,7 @@ pub const MOST_FREE: usize = 16;
 /// Parameters that are states.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Freed {
-    /// In order of these states.
+    /// Indices of the parameters, in order of these states.
     pub parameters: [Option<usize>; MOST_FREE],
     /// Whether time is scaled so that a period that depends on them stays what it is.
     pub scales_time: bool,
@@ -47,7 +47,7 @@ pub(crate) const NONE_FREE: Freed = Freed {
 };
 
 impl Freed {
-    /// These parameters; the first [`MOST_FREE`] of them.
+    /// Frees the first [`MOST_FREE`] of these parameters.
     pub fn of(parameters: &[usize], scales_time: bool) -> Self {
         let mut freed = Freed {
             scales_time,
@@ -59,7 +59,7 @@ impl Freed {
         freed
     }
 
-    /// Their number.
+    /// Number of free parameters.
     pub fn count(&self) -> usize {
         self.parameters.iter().flatten().count()
     }
@@ -129,7 +129,7 @@ pub(super) fn of_operand(operand: &Expression) -> Operand {
 
 /// State of a named part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Progress {
+enum PartState {
     NotYet,
     UnderWay,
     Done(Id),
@@ -141,8 +141,8 @@ pub(super) struct Builder<'a> {
     inputs: Inputs<'a>,
     graph: &'a mut Graph,
     scope: Scope,
-    definitions: Vec<Progress>,
-    frictions: Vec<Progress>,
+    definitions: Vec<PartState>,
+    frictions: Vec<PartState>,
     /// The reactions of the stops, once they are known.
     forces: Option<Vec<Id>>,
     /// The speed of approach, in a restitution.
@@ -174,8 +174,8 @@ impl<'a> Builder<'a> {
             inputs,
             graph,
             scope,
-            definitions: vec![Progress::NotYet; file.definitions.len()],
-            frictions: vec![Progress::NotYet; file.contacts.len()],
+            definitions: vec![PartState::NotYet; file.definitions.len()],
+            frictions: vec![PartState::NotYet; file.contacts.len()],
             forces: None,
             approach: None,
             chooses: false,
@@ -204,13 +204,13 @@ impl<'a> Builder<'a> {
 
     /// Discards what has been built but keeps the record of used sides.
     pub(super) fn forget(&mut self) {
-        self.definitions.fill(Progress::NotYet);
-        self.frictions.fill(Progress::NotYet);
+        self.definitions.fill(PartState::NotYet);
+        self.frictions.fill(PartState::NotYet);
     }
 
     /// Whether the friction of a contact has been built.
     pub(super) fn has_friction(&self, contact: usize) -> bool {
-        self.frictions[contact] != Progress::NotYet
+        self.frictions[contact] != PartState::NotYet
     }
 
     /// The rates with these reactions of the stops.
@@ -547,16 +547,16 @@ impl<'a> Builder<'a> {
     pub(super) fn definition(&mut self, number: usize) -> BuildResult {
         let definition = &self.file.definitions[number];
         match self.definitions[number] {
-            Progress::Done(id) => return Ok(id),
-            Progress::UnderWay => {
+            PartState::Done(id) => return Ok(id),
+            PartState::UnderWay => {
                 let message = format!("the definition of `{}` depends on itself", definition.name);
                 return Err(Problem::new(message, definition.formula.whole()));
             }
-            Progress::NotYet => {}
+            PartState::NotYet => {}
         }
-        self.definitions[number] = Progress::UnderWay;
+        self.definitions[number] = PartState::UnderWay;
         let id = self.formula(&definition.formula)?;
-        self.definitions[number] = Progress::Done(id);
+        self.definitions[number] = PartState::Done(id);
         Ok(id)
     }
 
@@ -659,7 +659,7 @@ impl<'a> Builder<'a> {
         made.map_err(|error| self.not_finite(error, formula, place, &operands))
     }
 
-    /// One of two expressions, by the sign of a third.
+    /// Adds the choice of one of two expressions, by the sign of a third.
     fn choice(
         &mut self,
         formula: &Formula,
@@ -792,15 +792,15 @@ impl<'a> Builder<'a> {
         let is_held = matches!(self.scope, Scope::Sides(of) if of.held & 1 << number != 0);
         let law = contact.holding.as_ref().filter(|_| is_held).unwrap_or(slip);
         match self.frictions[number] {
-            Progress::Done(id) => return Ok(id),
-            Progress::UnderWay => {
+            PartState::Done(id) => return Ok(id),
+            PartState::UnderWay => {
                 let message = format!(
                     "the friction of contact `{}` depends on itself",
                     contact.name
                 );
                 return Err(Problem::new(message, law.whole()));
             }
-            Progress::NotYet => self.frictions[number] = Progress::UnderWay,
+            PartState::NotYet => self.frictions[number] = PartState::UnderWay,
         }
         let mut id = self.formula(law)?;
         if let Some(value) = self.graph.value(id).filter(|value| *value < 0.0) {
@@ -819,7 +819,7 @@ impl<'a> Builder<'a> {
             let made = self.graph.where_positive(force, id);
             id = made.map_err(|error| no_number(error, law.whole()))?;
         }
-        self.frictions[number] = Progress::Done(id);
+        self.frictions[number] = PartState::Done(id);
         Ok(id)
     }
 

@@ -7,7 +7,7 @@ use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
 use super::switching::from_file;
 use super::table::{Entry, Table, listed};
-use crate::expression::{Between, Beyond, Curve};
+use crate::expression::{Between, Beyond, PiecewisePolynomial};
 
 const BETWEEN: [(&str, Between); 2] =
     [("linear", Between::Linear), ("monotone", Between::Monotone)];
@@ -51,7 +51,7 @@ pub(super) fn read(
         };
         let between = choice(table.get("between"), "between its points", &BETWEEN)?;
         let beyond = choice(table.get("beyond"), "beyond its points", &BEYOND)?;
-        let curve = Curve::new(&xs, &ys, between, beyond);
+        let curve = PiecewisePolynomial::new(&xs, &ys, between, beyond);
         let curve = curve.map_err(|no| Problem::new(no.message, place).help(no.help))?;
         Ok(CurveEntry {
             range: (xs[0], xs[xs.len() - 1]),
@@ -62,7 +62,7 @@ pub(super) fn read(
     })
 }
 
-/// One of several words; the default if there is none.
+/// Reads one of several words; the default if there is none.
 fn choice<T: Copy + Default>(
     entry: Option<Entry<'_>>,
     place: &str,

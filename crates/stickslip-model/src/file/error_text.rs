@@ -7,7 +7,7 @@ use stickslip::error::{ContactFault, Point, pile_up_in_words, readable};
 use super::System;
 use crate::study::negative_at;
 
-/// How an interface writes options.
+/// Words of an interface for options and errors.
 pub trait Interface {
     /// An option of the library, such as `longest_step`, by its name here.
     fn name(&self, option: &str) -> String;

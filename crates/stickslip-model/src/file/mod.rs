@@ -85,8 +85,8 @@ use std::sync::Arc;
 
 use stickslip::Direction;
 
-use crate::expression::Curve;
-use crate::kernel::Piece;
+use crate::expression::PiecewisePolynomial;
+use crate::kernel::InputPiece;
 
 /// The models that come with the crate: names and files, in the order of listing.
 const SHIPPED: [(&str, &str); 6] = [
@@ -240,7 +240,7 @@ pub struct StopEntry {
     pub name: String,
     /// The gap, positive in flight.
     pub gap: Formula,
-    /// What a unit of the reaction adds to the rate of each state.
+    /// Part of a unit of the reaction in the rate of each state.
     pub acts: Vec<Option<Formula>>,
     /// Part of the approach speed that an impact gives back. `approach` in it is that speed.
     pub restitution: Formula,
@@ -267,7 +267,7 @@ pub struct CurveEntry {
     /// Name.
     pub name: String,
     /// The function.
-    pub curve: Arc<Curve>,
+    pub curve: Arc<PiecewisePolynomial>,
     /// First argument and last one of the points.
     pub range: (f64, f64),
     /// Number of points.
@@ -293,7 +293,7 @@ pub enum InputShape {
         /// Name of the shape.
         shape: String,
         /// The pieces over one period, in fractions of it. Those of a pulse follow from its width.
-        pieces: Vec<Piece>,
+        pieces: Vec<InputPiece>,
         /// The fraction of the period in which a pulse is 1.
         width: Option<Box<Formula>>,
         /// The period.
@@ -302,7 +302,7 @@ pub enum InputShape {
         phase: Option<Box<Formula>>,
     },
     /// Interpolation of points in time.
-    Table(Vec<Piece>),
+    Table(Vec<InputPiece>),
     /// The sign of a function of time.
     Switch(Formula),
 }
@@ -341,7 +341,7 @@ pub struct SectionEntry {
     pub direction: Direction,
 }
 
-/// Why a file cannot be used.
+/// Reason for which a file cannot be used.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum FileError {
     /// The file cannot be read.

@@ -169,8 +169,8 @@ impl System {
 /// Formulas of starts, as [`System::free_starts`] makes them.
 #[derive(Clone, Debug)]
 pub struct FreeStarts {
-    /// Of each state.
+    /// Formula of each state's start.
     pub states: Vec<Option<Tape>>,
-    /// Of the time.
+    /// Formula of the start's time.
     pub time: Option<Tape>,
 }

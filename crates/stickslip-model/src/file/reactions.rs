@@ -20,7 +20,7 @@ const NO_EFFECT: f64 = 1e-6;
 /// these reactions, at any moment of an orbit.
 pub struct Quantities<'a> {
     system: &'a System,
-    /// Their names: the reactions first.
+    /// Names of reactions and formulas: the reactions first.
     names: Vec<String>,
     /// The reactions in those combinations of sides that have occurred. Only one is needed where
     /// they do not depend on sides.

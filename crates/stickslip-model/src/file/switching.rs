@@ -8,7 +8,7 @@ use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
 use super::table::{Entry, Table, listed};
 use super::{InputEntry, InputShape, JumpEntry, StateEntry};
-use crate::kernel::{Piece, pulse};
+use crate::kernel::{InputPiece, pulse};
 use crate::text_table::{TableError, TextTable};
 
 /// The periodic shapes and their pieces over one period.
@@ -114,7 +114,7 @@ fn input(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     let wanted = "what it is over a period: square, triangle, sawtooth or pulse; or table";
     let entry = table.need("shape", wanted)?;
     let shape = entry.text()?;
-    let piece = |from: f64, value: f64, slope: f64| Piece { from, value, slope };
+    let piece = |from: f64, value: f64, slope: f64| InputPiece { from, value, slope };
     let mut width = None;
     let pieces = match shape {
         "square" => vec![piece(0.0, 1.0, 0.0), piece(0.5, -1.0, 0.0)],
@@ -210,12 +210,12 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
         }
     };
     // The input is constant before the first point and after the last.
-    let first = Piece {
+    let first = InputPiece {
         from: f64::NEG_INFINITY,
         value: values[0],
         slope: 0.0,
     };
-    let part = |k: usize| Piece {
+    let part = |k: usize| InputPiece {
         from: times[k],
         value: values[k],
         slope: match times.get(k + 1) {

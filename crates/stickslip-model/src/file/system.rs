@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use numerics::SplitMix;
-use stickslip::dynamics::{DynamicsRef, Interrupt, Section as Watched};
+use stickslip::dynamics::{DynamicsRef, Interrupt, Section};
 use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
@@ -14,8 +14,8 @@ use super::builder::{Freed, NONE_FREE};
 use super::{FileError, Formula, Problem, SectionEntry, Source, SystemFile, did_you_mean};
 use crate::expression::Tape;
 use crate::kernel::{
-    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, Section, Size, dynamics,
-    sides_to_check,
+    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, SectionFunction, Size,
+    dynamics, sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -49,7 +49,7 @@ pub struct System {
     interrupt: Option<Arc<Interrupt>>,
 }
 
-/// Why attractors of a time-dependent system cannot be computed.
+/// Reason for which attractors of a time-dependent system cannot be computed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PeriodError {
     /// No period is given.
@@ -68,10 +68,10 @@ pub enum PeriodError {
     },
 }
 
-/// Why a parameter cannot be set.
+/// Reason for which a parameter cannot be set.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SettingError {
-    /// There is no parameter of this name.
+    /// No parameter has this name.
     #[error("there is no parameter `{name}`; {help}")]
     Unknown {
         /// Name given.
@@ -447,8 +447,8 @@ impl System {
     }
 
     /// The sections of the system.
-    pub fn sections(&self) -> Vec<Watched> {
-        (0..self.built.sections.len()).map(Watched::Own).collect()
+    pub fn sections(&self) -> Vec<Section> {
+        (0..self.built.sections.len()).map(Section::Own).collect()
     }
 
     /// Initial state, if the file gives every component.
@@ -507,9 +507,9 @@ impl System {
 }
 
 /// The sections of a system.
-fn sections(file: &SystemFile, built: &Built) -> Vec<Section> {
+fn sections(file: &SystemFile, built: &Built) -> Vec<SectionFunction> {
     let sections = built.sections.iter().zip(&file.sections);
-    let sections = sections.map(|(function, section)| Section {
+    let sections = sections.map(|(function, section)| SectionFunction {
         function: function.clone(),
         direction: section.direction,
     });
@@ -527,7 +527,7 @@ fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, F
 fn solver(
     file: &SystemFile,
     built: &Built,
-    (sections, interrupt): (Vec<Section>, Option<Arc<Interrupt>>),
+    (sections, interrupt): (Vec<SectionFunction>, Option<Arc<Interrupt>>),
     [moving, parameters]: [usize; 2],
 ) -> Result<DynamicsRef<'static>, FileError> {
     let states = moving + parameters;

@@ -1,4 +1,4 @@
-//! Which part of a formula is not a number at a state.
+//! Search for the part of a formula that is not a number at a state.
 
 use stickslip::Scalar;
 
@@ -8,8 +8,8 @@ use super::{Contact, Formula, Meaning, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::{Combination, sides_to_check};
 
-/// How far ahead of a state an undefined part is looked for, relative to the size of the state.
-/// Chosen: a run stops at a billionth of the range of a curve behind its end.
+/// Distance ahead of a state at which an undefined part is looked for, relative to the size of the
+/// state. Chosen: a run stops at a billionth of the range of a curve behind its end.
 const AHEAD: f64 = 1e-6;
 
 /// Largest normal force that vanishes beside a friction, as a part of that. Chosen: friction that
@@ -42,7 +42,8 @@ impl System {
         })
     }
 
-    /// As [`System::undefined_in_field`], a little ahead of a state along the motion.
+    /// Finds the part of [`System::undefined_in_field`], a little ahead of a state along the
+    /// motion.
     pub(super) fn undefined_ahead(&self, t: f64, x: &[f64]) -> Option<String> {
         if x.len() != self.states() {
             return None;
@@ -124,7 +125,7 @@ impl System {
             .iter()
             .flatten()
             .map(|formula| (key("set"), formula));
-        let mut conditions: Vec<Part<'_>> = Vec::new();
+        let mut conditions: Vec<FormulaPart<'_>> = Vec::new();
         if let Some(formula) = &jump.condition {
             let numbers = operands(&formula.tree).into_iter();
             conditions.extend(numbers.map(|number| (key("if"), formula, number)));
@@ -182,8 +183,8 @@ impl<'a> Evaluation<'a> {
         self.first_part(formulas.map(|(key, formula)| (key, formula, &formula.tree)))
     }
 
-    /// As [`Evaluation::first`], of some parts of formulas.
-    fn first_part(&self, wholes: impl Iterator<Item = Part<'a>>) -> Option<String> {
+    /// Finds the part of [`Evaluation::first`] among some parts of formulas.
+    fn first_part(&self, wholes: impl Iterator<Item = FormulaPart<'a>>) -> Option<String> {
         let (mut part, mut value) = self.undefined(wholes)?;
         while let Some(inner) = self.undefined(self.inside(&part).into_iter()) {
             (part, value) = inner;
@@ -216,7 +217,10 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The first of some parts that is undefined, and its value.
-    fn undefined(&self, mut parts: impl Iterator<Item = Part<'a>>) -> Option<(Part<'a>, f64)> {
+    fn undefined(
+        &self,
+        mut parts: impl Iterator<Item = FormulaPart<'a>>,
+    ) -> Option<(FormulaPart<'a>, f64)> {
         parts.find_map(|part| {
             let value = self.value(part.1, part.2)?;
             (!value.is_finite()).then_some((part, value))
@@ -224,7 +228,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// Components of a part: a definition, the laws of a contact, or operands.
-    fn inside(&self, (key, formula, whole): &Part<'a>) -> Vec<Part<'a>> {
+    fn inside(&self, (key, formula, whole): &FormulaPart<'a>) -> Vec<FormulaPart<'a>> {
         let file = &*self.system.file;
         let meaning = |name: &String| file.names.get(name);
         let named = |(key, formula): (String, &'a Formula)| (key, formula, &formula.tree);
@@ -269,7 +273,7 @@ impl<'a> Evaluation<'a> {
 }
 
 /// A part of a formula: the formula's key, the formula and the part.
-type Part<'a> = (String, &'a Formula, &'a Expression);
+type FormulaPart<'a> = (String, &'a Formula, &'a Expression);
 
 /// The operands of an expression. The contact of a friction is none.
 fn operands(whole: &Expression) -> Vec<&Expression> {

@@ -6,7 +6,7 @@ use stickslip::dynamics::{Dynamics, DynamicsRef, Interrupt, Typed};
 use stickslip::{Filippov, Several};
 
 use super::inputs::Switching;
-use super::system::{Equations, ManyContacts, OneContact, OwnSections, Section};
+use super::system::{Equations, ManyContacts, OneContact, OwnSections, SectionFunction};
 
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
@@ -27,7 +27,7 @@ type Extras = (OwnSections, Switching, Option<Arc<Interrupt>>);
 /// [`super::MOST_CONTACTS`]. Its orbits end when `interrupt` is raised.
 pub fn dynamics(
     equations: Equations,
-    sections: Vec<Section>,
+    sections: Vec<SectionFunction>,
     switching: Switching,
     size: Size,
     interrupt: Option<Arc<Interrupt>>,

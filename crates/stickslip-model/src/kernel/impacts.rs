@@ -16,9 +16,9 @@ const ROUNDING: f64 = 1e-12;
 /// The law of impact of the stops of a system.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Impacts {
-    /// For each stop: gap, its size, rate, its size, restitution, and what a unit of impulse at
-    /// each stop adds to the rate. Then, for each stop, what a unit of impulse adds to each state,
-    /// and the direction in which the state opens the gap by one.
+    /// Numbers of each stop: gap, its size, rate, its size, restitution, and the part of a unit of
+    /// impulse at each stop in the rate. Then, for each stop, what a unit of impulse adds to each
+    /// state, and the direction in which the state opens the gap by one.
     pub parts: Tape,
     /// The discrete state of each stop: 1 while it carries.
     pub closed: Vec<usize>,
@@ -59,7 +59,7 @@ impl<T: Scalar> Touching<T> {
     }
 }
 
-/// What stops react to.
+/// Event to which stops react.
 enum Cause {
     /// The impact of a stop.
     Impact(usize),

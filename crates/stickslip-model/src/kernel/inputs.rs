@@ -28,9 +28,9 @@ pub struct Input {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// Pieces that repeat whenever the clock has advanced by 1. The first begins at 0.
-    Repeated(Vec<Piece>),
+    Repeated(Vec<InputPiece>),
     /// Pieces that do not repeat. The first extends back without limit.
-    Once(Vec<Piece>),
+    Once(Vec<InputPiece>),
     /// A [`pulse`] whose width is computed from the state, in which a parameter may be.
     Pulse(Tape),
     /// The sign of the clock.
@@ -39,7 +39,7 @@ pub enum Shape {
 
 /// A piece of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct InputPiece {
     /// Clock reading at its start.
     pub from: f64,
     /// Value at its start. For a first piece without a start, its constant value.
@@ -50,9 +50,9 @@ pub struct Piece {
 
 /// The pieces of an input that is 1 in a fraction of each period, then 0. Its values are NaN unless
 /// the fraction is between 0 and 1.
-pub fn pulse(width: f64) -> [Piece; 2] {
+pub fn pulse(width: f64) -> [InputPiece; 2] {
     let is_valid = width > 0.0 && width < 1.0;
-    let piece = |from: f64, value: f64| Piece {
+    let piece = |from: f64, value: f64| InputPiece {
         from,
         value: if is_valid { value } else { f64::NAN },
         slope: 0.0,
@@ -93,7 +93,7 @@ impl Input {
     }
 
     /// The pieces between kinks; none for a sign.
-    fn pieces(&self, t: f64, x: &[f64]) -> Cow<'_, [Piece]> {
+    fn pieces(&self, t: f64, x: &[f64]) -> Cow<'_, [InputPiece]> {
         match &self.shape {
             Shape::Repeated(pieces) | Shape::Once(pieces) => pieces.into(),
             Shape::Pulse(width) => {
@@ -127,7 +127,7 @@ impl Input {
 
     /// The numbers held from a time on.
     pub fn held(&self, t: f64, x: &[f64]) -> [f64; HELD_PER_INPUT] {
-        let line = |piece: &Piece, turns: f64| match piece.slope {
+        let line = |piece: &InputPiece, turns: f64| match piece.slope {
             0.0 => [piece.value, 0.0],
             slope => [piece.value - slope * (turns + piece.from), slope],
         };
@@ -234,8 +234,8 @@ pub struct Jump {
     pub when: Tape,
     /// Direction of the sign change.
     pub direction: Direction,
-    /// Its condition; `None` if it always happens.
-    pub condition: Option<Condition>,
+    /// Condition of the jump; `None` if it always happens.
+    pub condition: Option<JumpCondition>,
     /// The states after the jump.
     pub set: Map,
     /// The run ends with this jump of the count.
@@ -246,16 +246,16 @@ pub struct Jump {
 
 /// The condition of a jump.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Condition {
+pub struct JumpCondition {
     /// The comparisons and how they are joined.
     pub test: expression::Condition,
-    /// For each comparison in order, how much larger the number is that is asked to be larger.
+    /// Lead of the number that is asked to be larger, for each comparison in order.
     pub leads: Tape,
-    /// How many comparisons there are.
+    /// Number of comparisons.
     pub count: usize,
 }
 
-impl Condition {
+impl JumpCondition {
     /// Whether it holds; `None` where a number that decides it is none.
     fn holds(&self, t: f64, x: &[f64]) -> Option<bool> {
         let mut leads = vec![f64::NAN; self.count];
@@ -284,7 +284,7 @@ fn judged(test: &expression::Condition, leads: &mut impl Iterator<Item = f64>) -
     }
 }
 
-/// What a jump sets.
+/// Map of the states by a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Map {
     /// Expressions for the states.

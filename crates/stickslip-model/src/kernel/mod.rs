@@ -8,16 +8,18 @@ mod system;
 use std::ops::ControlFlow;
 
 use stickslip::dynamics::{
-    DynamicsRef, Moment, OrbitProgress, OrbitUnderWay, Section as Watched, Summary, Transition,
-    Vector, Watching,
+    DynamicsRef, Moment, OrbitProgress, OrbitUnderWay, Section, Summary, Transition, Vector,
+    Watching,
 };
 use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use compiled::{Size, dynamics};
 pub use impacts::Impacts;
-pub use inputs::{Condition, HELD_PER_INPUT, Input, Jump, Map, Piece, Shape, Switching, pulse};
+pub use inputs::{
+    HELD_PER_INPUT, Input, InputPiece, Jump, JumpCondition, Map, Shape, Switching, pulse,
+};
 pub use system::{
-    Combination, Equations, Fields, ManyContacts, OneContact, Section, sides_to_check,
+    Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction, sides_to_check,
 };
 
 /// Largest number of states of a system.
@@ -46,7 +48,7 @@ pub fn follow(
     (t, x): (f64, &[f64]),
     t_end: f64,
     options: &Options,
-    sections: &[Watched],
+    sections: &[Section],
     watcher: &mut Watcher<'_>,
 ) -> Result<Summary, Error> {
     let x = Vector::from_column_slice(x);

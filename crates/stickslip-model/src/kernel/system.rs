@@ -277,7 +277,7 @@ pub enum Equations {
 
 /// A Poincaré section.
 #[derive(Clone, Debug)]
-pub struct Section {
+pub struct SectionFunction {
     /// The function that vanishes on the section.
     pub function: Tape,
     /// Direction of the crossings.
@@ -286,7 +286,7 @@ pub struct Section {
 
 /// The sections of a system.
 #[derive(Clone, Debug)]
-pub(super) struct OwnSections(pub Vec<Section>);
+pub(super) struct OwnSections(pub Vec<SectionFunction>);
 
 impl<const N: usize> EventFunctions<N> for OwnSections {
     fn count(&self) -> usize {

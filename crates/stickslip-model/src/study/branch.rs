@@ -44,7 +44,7 @@ pub struct WholeBranch {
     pub special: Vec<SpecialPoint>,
     /// Index of the orbit from which the branch was started.
     pub first: usize,
-    /// Why the branch ends, downwards and upwards.
+    /// Reasons for the ends of the branch, downwards and upwards.
     pub stops: [Stop; 2],
 }
 
@@ -393,7 +393,7 @@ impl WholeBranch {
         (upwards, if upwards { k - below } else { below - 1 - k })
     }
 
-    /// Why the branch ends, downwards and upwards.
+    /// Ends of the branch, downwards and upwards, with their reasons.
     pub fn ends(&self) -> [BranchEnd; 2] {
         self.stops.each_ref().map(BranchEnd::from)
     }
@@ -410,7 +410,7 @@ impl WholeBranch {
     }
 }
 
-/// Why a curve in two parameters ends, in a word.
+/// Word for the end of a curve in two parameters.
 pub fn word_of_curve_stop(stop: CurveStop) -> &'static str {
     match stop {
         CurveStop::Range => "range",
@@ -423,7 +423,7 @@ pub fn word_of_curve_stop(stop: CurveStop) -> &'static str {
 /// The end of a branch, for programs.
 #[derive(Clone, Debug)]
 pub struct BranchEnd {
-    /// Why it ends.
+    /// Reason for the end.
     pub word: &'static str,
     /// The bifurcation in which it ends, if it does.
     pub bifurcation: Option<SpecialRow>,

@@ -9,10 +9,10 @@ use crate::file::{MOST_FREE, Meaning, SettingError, System, did_you_mean};
 /// Name of the time of the start as a variable.
 pub const START_TIME: &str = "t0";
 
-/// What an orbit of a system is differentiated by.
+/// Variables by which an orbit of a system is differentiated.
 #[derive(Clone, Debug)]
 pub struct Variables {
-    /// As they were given.
+    /// Names as they were given.
     pub names: Vec<String>,
     parameters: Vec<usize>,
     by: Vec<Variable>,
@@ -23,7 +23,7 @@ pub struct Variables {
 #[error("{0}")]
 pub struct NoVariable(String);
 
-/// Why derivatives could not be computed at all.
+/// Reason for which no derivatives could be computed.
 #[derive(Debug, thiserror::Error)]
 pub enum DerivativeError {
     /// The system cannot have these parameters as states.

@@ -19,13 +19,13 @@ const LOCATION_TOLERANCE: f64 = 1e-13;
 /// a second, so that short sweeps locate theirs.
 const STEPS_AT_START: u64 = 250_000;
 
-/// Which changes of an attractor along a parameter are located.
+/// Selection of the changes of an attractor along a parameter that are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Locates {
     /// Each, whatever the work.
     All,
-    /// Those of orbits of few loops, with about as many integration steps as the attractors take at
-    /// all values, and some more.
+    /// Changes of orbits of few loops, with about as many integration steps as the attractors take
+    /// at all values, and some more.
     #[default]
     Periodic,
     /// None.
@@ -33,7 +33,7 @@ pub enum Locates {
 }
 
 impl Locates {
-    /// By its name on the command line and in Python.
+    /// Finds a selection by its name on the command line and in Python.
     pub fn named(name: &str) -> Option<Self> {
         match name {
             "all" => Some(Locates::All),
@@ -44,7 +44,7 @@ impl Locates {
     }
 }
 
-/// How an attractor is followed along a parameter.
+/// Settings with which an attractor is followed along a parameter.
 #[derive(Clone, Copy)]
 pub struct Diagram<'a> {
     /// The system.
@@ -55,7 +55,7 @@ pub struct Diagram<'a> {
     pub until: f64,
     /// Time over which the largest exponent is measured, if it is wanted.
     pub duration: Option<f64>,
-    /// Which changes of the attractor are located.
+    /// Changes of the attractor that are located.
     pub locates: Locates,
     /// Number of values.
     pub values: u64,

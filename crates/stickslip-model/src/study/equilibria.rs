@@ -52,7 +52,7 @@ pub struct EquilibriaOfBranch {
     pub special: Vec<SpecialEquilibrium>,
     /// Index of the equilibrium from which the branch was started.
     pub first: usize,
-    /// Why the branch ends, downwards and upwards.
+    /// Reasons for the ends of the branch, downwards and upwards.
     pub stops: [Stop; 2],
 }
 

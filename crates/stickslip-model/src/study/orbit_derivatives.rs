@@ -30,7 +30,7 @@ const ERROR_OF_MULTIPLIERS: f64 = 1e3;
 /// chosen: its square is what the prediction leaves.
 const OFF_PREDICTION: f64 = 0.3;
 
-/// Why a multiplier has no derivative: reasons for all of one parameter.
+/// Reason for which a multiplier has no derivative: reasons for all of one parameter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NoMultiplierDerivatives {
     /// A value beside the present one cannot be set.
@@ -64,16 +64,16 @@ pub enum NoMultiplierDerivatives {
 pub struct OrbitSlopes {
     /// Names of the parameters.
     pub names: Vec<String>,
-    /// Of the period, the state and its extremes, with times after the origin: exact.
+    /// Derivatives of the period, the state and its extremes, with times after the origin: exact.
     pub orbit: PeriodicDerivatives,
-    /// For each parameter those of the multipliers, in the order of [`multipliers`]: differences of
-    /// exact orbits of fourth order. NaN where there is none.
+    /// Derivatives of the multipliers by each parameter, in the order of [`multipliers`]:
+    /// differences of exact orbits of fourth order. NaN where there is none.
     pub multipliers: Vec<Vec<Complex<f64>>>,
-    /// For each parameter why the multipliers have no derivative.
+    /// Reason, for each parameter, for which the multipliers have no derivative.
     pub missing: Vec<Option<NoMultiplierDerivatives>>,
 }
 
-/// What a periodic orbit is differentiated by.
+/// Parameters by which a periodic orbit is differentiated.
 #[derive(Clone, Debug)]
 pub struct OrbitVariables {
     names: Vec<String>,

@@ -22,7 +22,7 @@ const HALVINGS: u32 = 53;
 /// run that is followed there and back comes this close to a slide that it has left.
 const TOLERANCES: f64 = 1e4;
 
-/// Why a system cannot run backwards.
+/// Reason for which a system cannot run backwards.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "backwards in time is for smooth fields and contacts, and the system has {what}; run it \

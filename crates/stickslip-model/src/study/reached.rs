@@ -1,4 +1,4 @@
-//! What orbits reach, as results hold it.
+//! Attractors that orbits reach, as results hold them.
 
 use stickslip::Error;
 use stickslip::analysis::{Attractor, AttractorKind};

@@ -45,7 +45,7 @@ pub struct PeriodicSearch {
     pub periods: Option<u32>,
 }
 
-/// Why no periodic orbit was found.
+/// Reason for which no periodic orbit was found.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum SearchError {
     /// An orbit takes at least one period.
@@ -125,7 +125,7 @@ impl PeriodicSearch {
     ) -> Result<(PeriodicOrbit, Option<u32>), SearchError> {
         check_time("transient", self.transient.unwrap_or(DEFAULT_TRANSIENT))?;
         check_time("longest", self.longest)?;
-        let search = Search {
+        let search = OrbitSearch {
             system,
             options,
             settings: self,
@@ -151,13 +151,13 @@ impl PeriodicSearch {
     }
 }
 
-struct Search<'a> {
+struct OrbitSearch<'a> {
     system: &'a System,
     options: &'a Options,
     settings: &'a PeriodicSearch,
 }
 
-impl Search<'_> {
+impl OrbitSearch<'_> {
     /// Follows the orbit from `(t, x)` for a time `span`.
     fn follow(
         &self,
@@ -213,7 +213,7 @@ impl Search<'_> {
         Ok((orbit, Some(count)))
     }
 
-    /// Why there is no periodic orbit: the run reaches an equilibrium, or it takes longer to
+    /// Explains the lack of a periodic orbit: the run reaches an equilibrium, or it takes longer to
     /// return. Otherwise the error of the search is returned.
     fn explained(&self, error: Error, x: &[f64]) -> SearchError {
         let looked = matches!(

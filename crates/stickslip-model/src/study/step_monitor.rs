@@ -1,5 +1,4 @@
-//! What the steps of a run show about it: that it is stiff, or that a state is far below its
-//! tolerance.
+//! Warnings from the steps of a run: that it is stiff, or that a state is far below its tolerance.
 
 use stickslip::dynamics::Step;
 use stickslip::error::readable;

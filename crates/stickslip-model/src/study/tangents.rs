@@ -96,9 +96,9 @@ pub struct LineResults {
     pub rates: Vec<(f64, [f64; 2])>,
 }
 
-/// Which fields to evaluate.
+/// Choice of the fields to evaluate.
 #[derive(Clone, Copy)]
-enum Fields {
+enum FieldChoice {
     Slip,
     Holding,
 }
@@ -106,9 +106,9 @@ enum Fields {
 /// Difference of the rate of the boundary function between the field above and the field below.
 /// Friction makes it negative.
 pub struct RateJumps {
-    /// In slip.
+    /// Difference in slip.
     pub slip: f64,
-    /// While the contact holds.
+    /// Difference while the contact holds.
     pub holding: f64,
     /// Rounding error of the rates.
     pub rounding: f64,
@@ -247,7 +247,7 @@ impl BoundaryLine {
     /// Tangent points and zones on a branch.
     fn on_branch(&self, system: &System) -> LineResults {
         let (low, high) = self.range;
-        let [rates, holding] = [Fields::Slip, Fields::Holding].map(|fields| {
+        let [rates, holding] = [FieldChoice::Slip, FieldChoice::Holding].map(|fields| {
             let along = self.path.iter().map(|at| at[0]);
             let rates = along.filter_map(|s| Some((s, self.rates(system, fields, s)?)));
             rates.collect::<Vec<_>>()
@@ -255,7 +255,7 @@ impl BoundaryLine {
         let mut points = Vec::new();
         let mut ends = vec![low, high];
         for (index, side) in [(0, Side::Below), (1, Side::Above)] {
-            for s in self.roots(system, Fields::Slip, index, &rates) {
+            for s in self.roots(system, FieldChoice::Slip, index, &rates) {
                 if let Some(x) = self.state(system, s) {
                     let visibility = self.visibility(system, side, &x);
                     points.push(TangentPoint {
@@ -265,13 +265,13 @@ impl BoundaryLine {
                     });
                 }
             }
-            ends.extend(self.roots(system, Fields::Holding, index, &holding));
+            ends.extend(self.roots(system, FieldChoice::Holding, index, &holding));
         }
         points.sort_by(|a, b| b.x[self.along].total_cmp(&a.x[self.along]));
         ends.sort_by(|a, b| b.total_cmp(a));
         let zone = |ends: &[f64]| {
             let (to, from) = (ends[0], ends[1]);
-            let [below, above] = self.rates(system, Fields::Holding, 0.5 * (from + to))?;
+            let [below, above] = self.rates(system, FieldChoice::Holding, 0.5 * (from + to))?;
             let kind = match (below > 0.0 && above < 0.0, below < 0.0 && above > 0.0) {
                 (true, _) => ZoneKind::Stick,
                 (_, true) => ZoneKind::Repelling,
@@ -293,7 +293,7 @@ impl BoundaryLine {
         // the last place of the largest.
         const RATE_ULPS: f64 = 64.0;
         let [slip, holding] =
-            [Fields::Slip, Fields::Holding].map(|fields| self.rates(system, fields, s));
+            [FieldChoice::Slip, FieldChoice::Holding].map(|fields| self.rates(system, fields, s));
         let (slip, holding) = (slip?, holding?);
         let largest = slip
             .iter()
@@ -351,7 +351,7 @@ impl BoundaryLine {
     }
 
     /// Rates of the boundary function with the fields below and above.
-    fn rates(&self, system: &System, fields: Fields, s: f64) -> Option<[f64; 2]> {
+    fn rates(&self, system: &System, fields: FieldChoice, s: f64) -> Option<[f64; 2]> {
         let x = self.state(system, s)?;
         let rates = [Side::Below, Side::Above].map(|side| {
             let velocity = self.velocity(system, (fields, side), &x, (self.t, &x[..]));
@@ -366,7 +366,7 @@ impl BoundaryLine {
     fn velocity<T: Scalar>(
         &self,
         system: &System,
-        (fields, side): (Fields, Side),
+        (fields, side): (FieldChoice, Side),
         at: &[f64],
         (t, x): (T, &[T]),
     ) -> Vec<T> {
@@ -380,7 +380,7 @@ impl BoundaryLine {
             above |= usize::from(is_above) << contact;
         }
         let held = match fields {
-            Fields::Holding if system.built.has_static => 1 << self.contact,
+            FieldChoice::Holding if system.built.has_static => 1 << self.contact,
             _ => 0,
         };
         system.field(Combination { above, held }, t, x)
@@ -390,7 +390,7 @@ impl BoundaryLine {
     fn roots(
         &self,
         system: &System,
-        fields: Fields,
+        fields: FieldChoice,
         side: usize,
         sampled: &[(f64, [f64; 2])],
     ) -> Vec<f64> {
@@ -409,7 +409,7 @@ impl BoundaryLine {
 
     /// Visibility, from the sign of the second derivative of the boundary function along the field.
     fn visibility(&self, system: &System, side: Side, x: &[f64]) -> Visibility {
-        let of = (Fields::Slip, side);
+        let of = (FieldChoice::Slip, side);
         let velocity = self.velocity(system, of, x, (self.t, x));
         let once = moving(x, &velocity);
         let rates = self.velocity(system, of, x, (Dual::new(self.t, 1.0), &once[..]));

@@ -1,4 +1,4 @@
-//! How a text file separates its columns and writes its numbers.
+//! Separators and number format of a text file.
 
 use csv::StringRecord;
 

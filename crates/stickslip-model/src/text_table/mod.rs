@@ -14,7 +14,7 @@ use lines::Lines;
 /// shorter.
 const SAMPLED_LINES: usize = 64;
 
-/// Why there is no table.
+/// Reason for which there is no table.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     /// The input cannot be read.
@@ -53,13 +53,13 @@ impl TableError {
 
 /// A text of rows of numbers, read line by line.
 pub struct TextTable<'i, R> {
-    /// How columns are separated and numbers written.
+    /// Separators and number format.
     pub dialect: Dialect,
     /// Notes on how the text is read, where that is not certain.
     pub notes: Vec<String>,
     /// Number of columns in the first line.
     pub columns: usize,
-    /// Their names, from a first line without numbers or the comment above the numbers.
+    /// Names of the columns, from a first line without numbers or the comment above the numbers.
     pub names: Option<Vec<String>>,
     /// The lines read ahead.
     sample: std::vec::IntoIter<(u64, String)>,

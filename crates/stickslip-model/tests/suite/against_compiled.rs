@@ -85,7 +85,7 @@ impl Contacts<4, 2> for TwoBlocks {
     }
 }
 
-/// The same as a file.
+/// [`TwoBlocks`] as a file.
 pub const TWO_BLOCKS: &str = r#"
 name = "Two blocks on a belt"
 [states]

@@ -24,7 +24,7 @@ fn starts(count: usize) -> Vec<Moment> {
     (0..count).map(start).collect()
 }
 
-/// What an orbit reports: items, and with `solutions` the state in the middle of each step.
+/// Items that an orbit reports, and with `solutions` the state in the middle of each step.
 fn noted(progress: &OrbitProgress, orbit: &mut dyn OrbitUnderWay, solutions: bool) -> String {
     let step = orbit.last_step();
     match progress {

@@ -329,7 +329,7 @@ fn an_impacting_orbit_has_its_multipliers() {
     }
 }
 
-/// Where a function of one variable changes its sign.
+/// Place where a function of one variable changes its sign.
 fn root(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let at_low = f(low);
     for _ in 0..80 {

@@ -46,7 +46,8 @@ impl Pressed {
         )
     }
 
-    /// When impacts and turns accumulate: each flight takes that part of the speed before it.
+    /// Time at which impacts and turns accumulate: each flight takes that part of the speed before
+    /// it.
     fn end(&self) -> f64 {
         let (away, back) = (self.force + self.friction, self.force - self.friction);
         let first = (self.speed * self.speed + 2.0 * back * self.wall).sqrt();

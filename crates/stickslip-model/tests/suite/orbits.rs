@@ -175,7 +175,7 @@ fn a_stick_that_the_kink_of_an_input_releases_lasts_along_a_branch() {
     }
 }
 
-/// The same, released where `a - t` falls to 1 or, before that, by the pulse at t = 1.
+/// [`RELEASED`], released where `a - t` falls to 1 or, before that, by the pulse at t = 1.
 const RELEASED_EARLIER: &str = "
 name = \"released earlier\"
 [time]

@@ -1,4 +1,4 @@
-//! From text to trees of expressions.
+//! Parsing of text into trees of expressions.
 
 use stickslip_model::expression::{
     Binary, Condition, Expression, ExpressionKind, parse, parse_condition,

@@ -17,7 +17,7 @@ fn block(held: bool) -> System {
     ))
 }
 
-/// Where the past of a state ends: `None` at the time `t_end`, which is earlier.
+/// Time at which the past of a state ends: `None` at the time `t_end`, which is earlier.
 fn past(system: &System, (t, x): (f64, [f64; 2]), t_end: f64) -> Option<f64> {
     let (reversed, options) = (system.reversed().unwrap(), Options::tol(1e-12));
     let watch = PastWatch::new(&reversed, &options);

@@ -143,7 +143,7 @@ pub fn simulated(
     simulated_by(text, &options(method), t_end)
 }
 
-/// As [`simulated`], with options.
+/// Result of [`simulated`], with options.
 pub fn simulated_by(
     text: &str,
     options: &Options,
@@ -179,7 +179,7 @@ pub fn orbit(system: &System, options: &Options) -> PeriodicOrbit {
     orbit_from(system, system.built.t_start, &SEARCH, options)
 }
 
-/// As [`orbit`], from another time.
+/// Result of [`orbit`], from another time.
 pub fn orbit_from(
     system: &System,
     t: f64,
@@ -213,7 +213,7 @@ pub fn branch(
     branch_through(system, &orbit, (parameter, low, high), 0.02, options)
 }
 
-/// As [`branch`], through an orbit that is known.
+/// Result of [`branch`], through an orbit that is known.
 pub fn branch_through(
     system: &System,
     orbit: &PeriodicOrbit,

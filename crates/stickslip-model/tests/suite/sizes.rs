@@ -1,4 +1,4 @@
-//! How many states and contacts a file can have.
+//! Largest numbers of states and contacts of a file.
 
 use stickslip_model::file::{SettingError, Source, System, SystemFile};
 

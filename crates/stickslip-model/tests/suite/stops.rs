@@ -519,7 +519,7 @@ end = 12
     }
 }
 
-/// What is replaced in the ball, and by what; a part of the message.
+/// Replacements in the ball that are refused: old text, new text, a part of the message.
 const WRONG: [[&str; 3]; 10] = [
     ["gap = \"h\"", "gap = \"v\"", "acts on its gap's rate"],
     ["gap = \"h\"", "gap = \"abs(h)\"", "is not smooth in time"],
@@ -568,7 +568,7 @@ fn what_is_wrong_with_a_stop_is_told_where_it_is_written() {
     }
 }
 
-/// At the ends of all steps up to a time: modes, time, state, and the quantities there.
+/// Records at the ends of all steps up to a time: modes, time, state, and the quantities there.
 type Observed = Vec<(Modes, f64, Vec<f64>, Vec<f64>)>;
 
 fn observed(text: &str, formulas: &[(&str, &str)], t_end: f64, method: &str) -> Observed {

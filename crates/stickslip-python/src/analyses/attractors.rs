@@ -55,7 +55,7 @@ impl ReachedMotion {
         }
     }
 
-    /// Why the run failed, if it did.
+    /// Error of the run, in words, if it failed.
     fn reason(&self) -> String {
         match &self.kind {
             AttractorKind::Failure(reason) => reason.to_string(),

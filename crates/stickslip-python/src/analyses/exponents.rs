@@ -128,8 +128,8 @@ impl SeriesOptions {
         }
     }
 
-    /// What the program computes, in parts that report progress. One delayed value leaves the
-    /// columns as they are.
+    /// Computes the spectrum as the program does, in parts that report progress. One delayed value
+    /// leaves the columns as they are.
     fn spectrum(&self, series: &Series, task: &Task) -> Result<OfSeries, DataError> {
         let part = |number: usize| {
             move |done: usize, total: usize| {

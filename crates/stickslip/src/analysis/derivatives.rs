@@ -46,7 +46,7 @@ pub struct OrbitDerivatives {
     pub transitions: Vec<EventDerivatives>,
     /// Derivatives at each passage of a section, with the section's index.
     pub passages: Vec<(usize, EventDerivatives)>,
-    /// Why, and from when on, the flow has no derivative; or the error that ended the run.
+    /// Loss of the flow's derivative, with its time and reason; or the error that ended the run.
     pub lost: Option<Error>,
 }
 
@@ -130,7 +130,7 @@ pub(super) fn along_orbit(
 ) -> Result<OrbitDerivatives, Error> {
     let t0 = start.t;
     let mut orbit = system.begin(&start, t_end, options, sections)?;
-    let mut carried = Carried {
+    let mut carried = OrbitTangents {
         tangent: Tangent::new(system, options),
         before: Vec::new(),
         columns: columns_at_start(system, &*orbit, &start, by)?,
@@ -247,7 +247,7 @@ fn columns_at_start(
 }
 
 /// Tangent vectors beside an orbit, and what they have given so far.
-struct Carried<'a> {
+struct OrbitTangents<'a> {
     tangent: Tangent<'a>,
     /// Tangent vectors at the start of the last step; `columns` are the present ones.
     before: Vec<Vector>,
@@ -256,7 +256,7 @@ struct Carried<'a> {
     found: OrbitDerivatives,
 }
 
-impl Carried<'_> {
+impl OrbitTangents<'_> {
     /// Records a state and its present derivatives.
     fn state(&mut self, point: Vector) {
         let states = point.len();

@@ -39,7 +39,7 @@ pub struct Residuals<P> {
     pub constraints: usize,
 }
 
-/// What large residuals weigh; a scale is in units of the standard deviation.
+/// Loss function: the weight of large residuals. A scale is in units of the standard deviation.
 ///
 /// The cost of a residual `r` is `c² ρ((r/c)²)/2` with the scale `c` (Triggs et al., *Vision
 /// Algorithms*, 1999, 298).
@@ -104,7 +104,7 @@ pub struct LeastSquaresSettings {
     pub most_evaluations: usize,
 }
 
-/// Why the search ended.
+/// Reason for the end of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeastSquaresEnd {
     /// The cost no longer decreases.
@@ -130,7 +130,7 @@ pub struct LeastSquares<P> {
     pub at: Residuals<P>,
     /// Half the weighted sum of squares.
     pub cost: f64,
-    /// Why the search ended.
+    /// Reason for the end of the search.
     pub end: LeastSquaresEnd,
     /// Steps taken.
     pub steps: usize,
@@ -162,19 +162,19 @@ pub fn least_squares<P: PartialEq, E>(
     settings: &LeastSquaresSettings,
     mut at: impl FnMut(&Vector) -> Result<Residuals<P>, E>,
 ) -> Result<LeastSquares<P>, E> {
-    let mut search = Search {
+    let mut search = Minimisation {
         evaluations: 0,
         failures: 0,
         settings,
         at: |x: &Vector| at(x),
     };
     search.evaluations = 1;
-    let here = Point::of(x.clone(), (search.at)(x)?, settings.loss);
+    let here = Iterate::of(x.clone(), (search.at)(x)?, settings.loss);
     Ok(search.from(here))
 }
 
 /// A point, with residuals and derivatives of the equivalent problem of squares.
-struct Point<P> {
+struct Iterate<P> {
     x: Vector,
     at: Residuals<P>,
     cost: f64,
@@ -182,7 +182,7 @@ struct Point<P> {
     jacobian: Matrix,
 }
 
-impl<P> Point<P> {
+impl<P> Iterate<P> {
     fn of(x: Vector, at: Residuals<P>, loss: Loss) -> Self {
         let (mut values, mut jacobian) = (at.values.clone(), at.jacobian.clone());
         let mut cost = 0.0;
@@ -196,7 +196,7 @@ impl<P> Point<P> {
                 jacobian.row_mut(k).scale_mut(of_slope);
             }
         }
-        Point {
+        Iterate {
             x,
             at,
             cost,
@@ -211,7 +211,7 @@ impl<P> Point<P> {
     }
 }
 
-struct Search<'s, F> {
+struct Minimisation<'s, F> {
     settings: &'s LeastSquaresSettings,
     at: F,
     evaluations: usize,
@@ -229,7 +229,7 @@ struct Model {
 }
 
 impl Model {
-    fn of<P>(here: &Point<P>, scale: &Vector, bounds: &[(f64, f64)]) -> Self {
+    fn of<P>(here: &Iterate<P>, scale: &Vector, bounds: &[(f64, f64)]) -> Self {
         let slope = here.jacobian.tr_mul(&here.values);
         let is_free = |&k: &usize| {
             let (low, high) = bounds[k];
@@ -320,8 +320,8 @@ impl Model {
     }
 }
 
-impl<F> Search<'_, F> {
-    fn evaluated<P, E>(&mut self, x: Vector) -> Option<Point<P>>
+impl<F> Minimisation<'_, F> {
+    fn evaluated<P, E>(&mut self, x: Vector) -> Option<Iterate<P>>
     where
         F: FnMut(&Vector) -> Result<Residuals<P>, E>,
     {
@@ -329,8 +329,8 @@ impl<F> Search<'_, F> {
         let at = (self.at)(&x);
         let point = at
             .ok()
-            .map(|at| Point::of(x, at, self.settings.loss))
-            .filter(Point::is_usable);
+            .map(|at| Iterate::of(x, at, self.settings.loss))
+            .filter(Iterate::is_usable);
         self.failures += usize::from(point.is_none());
         point
     }
@@ -343,7 +343,7 @@ impl<F> Search<'_, F> {
         x
     }
 
-    fn from<P: PartialEq, E>(&mut self, mut here: Point<P>) -> LeastSquares<P>
+    fn from<P: PartialEq, E>(&mut self, mut here: Iterate<P>) -> LeastSquares<P>
     where
         F: FnMut(&Vector) -> Result<Residuals<P>, E>,
     {
@@ -463,9 +463,9 @@ impl<F> Search<'_, F> {
     /// none before it where the change is at the start of the way.
     fn held<P: PartialEq, E>(
         &mut self,
-        here: &Point<P>,
-        there: Point<P>,
-    ) -> (Option<Point<P>>, Point<P>)
+        here: &Iterate<P>,
+        there: Iterate<P>,
+    ) -> (Option<Iterate<P>>, Iterate<P>)
     where
         F: FnMut(&Vector) -> Result<Residuals<P>, E>,
     {

@@ -42,7 +42,7 @@ pub use least_squares::{
     constrained_least_squares, least_squares, null_space,
 };
 pub use lyapunov::{
-    Exponent, Growth, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
+    Exponent, Running, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
     lyapunov_spectrum_watched,
 };
 pub use monodromy::{Monodromy, monodromy};
@@ -54,4 +54,3 @@ pub use periodic::{
 pub use periodic_derivatives::{ExtremeDerivatives, PeriodicDerivatives, periodic_derivatives};
 pub use poincare::{PoincareMap, Return};
 pub use stability::Stability;
-pub use tangent::saltation;

@@ -105,7 +105,7 @@ pub(super) struct TangentMap {
 }
 
 impl TangentMap {
-    /// At a start. Discrete states have no tangent direction.
+    /// The map at a start: the identity. Discrete states have no tangent direction.
     pub(super) fn identity(system: &dyn Dynamics) -> Self {
         let states = system.states();
         let mut matrix = Matrix::identity(states, states);

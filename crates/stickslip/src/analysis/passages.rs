@@ -14,8 +14,8 @@ pub(super) fn plane(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Section 
     }
 }
 
-/// Where the orbit from a start passes, within a time, the plane through a state. The search ends
-/// with the first passage that `is_last`.
+/// Passages of the orbit from a start, within a time, through the plane through a state. The search
+/// ends with the first passage that `is_last`.
 pub(super) fn passages(
     system: &dyn Dynamics,
     (start, span): (&Moment, f64),

@@ -39,7 +39,7 @@ pub struct PeriodicDerivatives {
     /// time of the orbit, which a drive holds fixed. An autonomous orbit is followed on the plane
     /// through its state perpendicular to the flow.
     pub x: Matrix,
-    /// Of each state its smallest and its largest value.
+    /// Smallest and largest value of each state.
     pub extremes: Vec<[ExtremeDerivatives; 2]>,
 }
 
@@ -190,14 +190,14 @@ fn solved(
     is_finite.then(|| (found.rows(0, n).into_owned(), period))
 }
 
-/// Where a state has an extreme.
+/// Place of an extreme of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
-    /// At the start of a step.
+    /// Start of a step.
     Begin,
     /// Inside a step, where its velocity is zero.
     Inside,
-    /// At the end of a step.
+    /// End of a step.
     End,
 }
 
@@ -211,7 +211,7 @@ struct Extreme {
 
 /// Extremes of all states along one period.
 struct Extremes {
-    /// Of each state its smallest and largest value.
+    /// Smallest and largest value of each state.
     of: Vec<[Extreme; 2]>,
     /// The velocity at the start.
     velocity: Vector,

@@ -1,35 +1,18 @@
 //! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
-use nalgebra::SMatrix;
-
 use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
 use crate::error::{Error, Point};
-use crate::filippov::{EVENT_PRECISION, MIN_TOLERANCE, Options, TransitionKind, boundary_gradient};
-use crate::system::{Filippov, State};
+use crate::filippov::{EVENT_PRECISION, MIN_TOLERANCE, Options, TransitionKind};
 
-/// The saltation matrix of a transition at `(t, x)` from the vector `before` to `after`:
-/// `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+/// The entries of the saltation matrix at the zero of a function `h` with this gradient and time
+/// derivative, from the vector `before` to `after`: `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
 ///
 /// Aizerman & Gantmakher 1958; Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine &
 /// Nijmeijer 2004, Ch. 7. It holds for crossings and for entry into stick (`after` is the sliding
 /// field), where it has a zero eigenvalue. Leaving stick at a tangent point changes no vector, and
 /// its saltation matrix is the identity.
-pub fn saltation<S: Filippov<N>, const N: usize>(
-    system: &S,
-    t: f64,
-    x: &State<N>,
-    before: &State<N>,
-    after: &State<N>,
-) -> SMatrix<f64, N, N> {
-    let (gradient, in_time) = boundary_gradient(system, t, x);
-    let slices = [&gradient, before, after].map(State::as_slice);
-    SMatrix::from_fn(entry(slices, in_time))
-}
-
-/// The entries of the saltation matrix at the zero of a function with this gradient and time
-/// derivative.
 fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize, usize) -> f64 {
     let mut rate = in_time;
     for (gradient, before) in gradient.iter().zip(before) {
@@ -39,7 +22,7 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
 }
 
 /// The effect of a transition on tangent vectors.
-pub(crate) struct Jump {
+pub(crate) struct Saltation {
     /// Saltation matrix.
     pub matrix: Matrix,
     /// Field after the transition minus field before it; at a map of the state, minus the image of
@@ -67,7 +50,7 @@ impl<'a> Tangent<'a> {
         Tangent { system, carrying }
     }
 
-    /// The same with so small an error that pieces of a step are halved at least once more: the
+    /// The flow with so small an error that pieces of a step are halved at least once more: the
     /// error estimate of order 8 falls by 256.
     pub(crate) fn finer(mut self) -> Self {
         const TOLERANCE_PART: f64 = 1.0 / 512.0;
@@ -105,7 +88,7 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
     /// [`Error::ChainedJumps`].
-    fn reset(&self, at: &Transition) -> Result<Jump, Error> {
+    fn reset(&self, at: &Transition) -> Result<Saltation, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
         let after_jump = Moment {
@@ -137,7 +120,7 @@ impl<'a> Tangent<'a> {
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));
         }
-        Ok(Jump {
+        Ok(Saltation {
             determinant: matrix.determinant(),
             matrix,
             kick,
@@ -148,7 +131,7 @@ impl<'a> Tangent<'a> {
     /// The effect of a change of mode at the kink of an input. It occurs at the time of the kink,
     /// wherever the state is, so that the input's clock takes the place of the boundary function.
     /// `None` where nothing moves that time.
-    fn change_at_kink(&self, at: &Transition, input: usize) -> Option<Jump> {
+    fn change_at_kink(&self, at: &Transition, input: usize) -> Option<Saltation> {
         let here = at.moment();
         let (_, gradient, in_time) = self.system.clock(input, &here);
         let flow = |mode: Modes| self.system.flow(mode, &here);
@@ -159,7 +142,7 @@ impl<'a> Tangent<'a> {
             return None;
         }
         let n = gradient.len();
-        Some(Jump {
+        Some(Saltation {
             matrix: Matrix::identity(n, n) + &kick * gradient.transpose() / rate,
             determinant: 1.0 + gradient.dot(&kick) / rate,
             kick,
@@ -175,7 +158,7 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
     /// perturbation decides which comes first.
-    pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Jump>, Error> {
+    pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Saltation>, Error> {
         if at.kind == TransitionKind::Jump {
             return self.reset(at).map(Some);
         }
@@ -198,7 +181,7 @@ impl<'a> Tangent<'a> {
         let (gradient, in_time) = flow(at.from).guard_gradient(guard, &here);
         let slices = [&gradient, &before, &after].map(|vector| vector.as_slice());
         let n = gradient.len();
-        Ok(Some(Jump {
+        Ok(Some(Saltation {
             matrix: Matrix::from_fn(n, n, entry(slices, in_time)),
             // det(I + u vᵀ) = 1 + v·u.
             determinant: (in_time + gradient.dot(&after)) / (in_time + gradient.dot(&before)),
@@ -228,7 +211,7 @@ mod tests {
     use super::*;
     use crate::dynamics::AsDynamics;
     use crate::scalar::Scalar;
-    use crate::system::{Mode, Side};
+    use crate::system::{Filippov, Mode, Side};
 
     /// A block with friction `friction` on either side of zero velocity.
     struct Block {

@@ -17,18 +17,18 @@ use crate::system::{State, components};
 
 /// A pending jump.
 #[derive(Clone, Copy)]
-struct Due {
+struct PendingJump {
     number: usize,
-    /// What location leaves of the zero of its function, at which a step was cut.
+    /// Remainder of the zero of its function, at which location cut a step.
     left: f64,
     /// Whether its function came back before it had left its last zero.
     is_unresolved: bool,
 }
 
-impl Due {
+impl PendingJump {
     /// A jump due by another one, a kink or a start.
     fn at_once(number: usize) -> Self {
-        Due {
+        PendingJump {
             number,
             left: 0.0,
             is_unresolved: false,
@@ -52,7 +52,7 @@ pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const 
     kinks: u64,
     most_kinks: u64,
     /// The pending jumps, in order.
-    due: VecDeque<Due>,
+    due: VecDeque<PendingJump>,
     /// Whether no step has been taken since the last jump.
     has_jumped: bool,
     is_prescribed: bool,
@@ -171,7 +171,7 @@ where
             }
             let sign = search.sign_at(number, &at);
             if sign < 0.0 && self.jumps.is_reaction(number) {
-                self.due.push_back(Due::at_once(number));
+                self.due.push_back(PendingJump::at_once(number));
                 continue;
             }
             if sign < 0.0 && self.jumps.is_never_negative(number) {
@@ -190,7 +190,7 @@ where
             };
             if goes(self.jumps, number, rate) {
                 let due = self.closing(number, integration);
-                self.due.push_back(Due::at_once(due));
+                self.due.push_back(PendingJump::at_once(due));
             } else {
                 self.search.stand_at_zero(number, 0.0, rate);
             }
@@ -248,7 +248,7 @@ where
     pub(super) fn follow(&mut self, numbers: &[usize]) {
         let due = numbers
             .iter()
-            .map(|number| Due::at_once(number - self.contacts));
+            .map(|number| PendingJump::at_once(number - self.contacts));
         self.due = due.collect();
     }
 
@@ -316,9 +316,9 @@ where
         if let Some(number) = self.missed_return(&Timed { t, x }, integration) {
             integration.stop_at(Timed { t, x });
             self.search.cut(&x, &x);
-            self.due.push_back(Due {
+            self.due.push_back(PendingJump {
                 is_unresolved: true,
-                ..Due::at_once(number)
+                ..PendingJump::at_once(number)
             });
             return Ok(());
         }
@@ -329,7 +329,7 @@ where
                 |&number: &usize| self.jumps.is_reaction(number) && self.search.side(number) < 0.0;
             if let Some(number) = (0..self.counts.len()).find(pulls) {
                 integration.stop_at(integration.at());
-                self.due.push_back(Due::at_once(number));
+                self.due.push_back(PendingJump::at_once(number));
             }
             self.check(integration)?;
             self.stay_on_stops(integration);
@@ -345,7 +345,7 @@ where
             .map(|at| at.number)
             .collect();
         due.sort_unstable();
-        self.due.extend(due.iter().map(|&number| Due {
+        self.due.extend(due.iter().map(|&number| PendingJump {
             number,
             left: self.jumps.when(number, t, components(&x)).abs(),
             is_unresolved: self.search.stands_at_zero(number),
@@ -508,7 +508,7 @@ where
         }
     }
 
-    /// Where rounding hides the flight before an impact, the body stays on its stop, even if the
+    /// Holds the body on its stop where rounding hides the flight before an impact, even if the
     /// reaction pulls by as little. It lifts off once the reaction has pushed.
     fn hold_down(&mut self, impact: usize, at: &Timed<N>) {
         for number in 0..self.counts.len() {
@@ -519,8 +519,8 @@ where
         }
     }
 
-    /// What a jump's function is just after it: at zero, up to what was `left` of it before, or
-    /// not.
+    /// Notes the sign of a jump's function just after the jump: zero, up to what was `left` of it
+    /// before, or a side.
     fn leave_zero(&mut self, number: usize, left: f64, integration: &Integration<'a, S, N, G>) {
         let at = Timed {
             t: integration.t(),
@@ -623,7 +623,7 @@ where
                 if is_due {
                     let due = self.closing(number, integration);
                     if !self.due.iter().any(|other| other.number == due) {
-                        self.due.push_back(Due::at_once(due));
+                        self.due.push_back(PendingJump::at_once(due));
                     }
                 }
                 continue;
@@ -638,7 +638,7 @@ where
             }
             search.set_side(number, now);
             if side * now < 0.0 && self.goes(number, now) {
-                self.due.push_back(Due::at_once(number));
+                self.due.push_back(PendingJump::at_once(number));
             }
         }
         Ok(())

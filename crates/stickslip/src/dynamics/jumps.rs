@@ -180,7 +180,7 @@ pub(super) fn kept<J: Jumps<N>, const N: usize>(
     })
 }
 
-/// How far off errors of the first states within the tolerance may move the function of a jump.
+/// Largest change of a jump's function by errors of the first states within the tolerance.
 pub(super) fn allowed<J: Jumps<N>, const N: usize>(
     jumps: &J,
     jump: usize,

@@ -1,4 +1,4 @@
-//! What a run needs to go on from the end of another.
+//! Memory of a run, from which another run goes on from its end.
 
 use super::Vector;
 use super::jump_search::JumpMemory;
@@ -33,7 +33,7 @@ impl RunMemory {
     }
 }
 
-/// What a resumed run does not report again.
+/// Items that a resumed run does not report again.
 pub(super) struct Repeated {
     /// The end of the run before.
     pub(super) t: f64,

@@ -173,7 +173,7 @@ pub enum Section {
     Own(usize),
 }
 
-/// What a listener of many orbits needs of their steps.
+/// Needs of a listener of many orbits at every step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Watching<'a> {
     /// Sections whose passages are reported, each by its index.
@@ -320,8 +320,8 @@ pub trait Dynamics: Send + Sync {
 }
 
 impl dyn Dynamics + '_ {
-    /// Which of the events of a cycle are impacts that accumulate before a landing. Their number is
-    /// that of the rounding, so that they count as part of the phase that the landing ends. The
+    /// Marks the events of a cycle that are impacts that accumulate before a landing. Their number
+    /// is that of the rounding, so that they count as part of the phase that the landing ends. The
     /// jump of each event is given, counted after the contacts.
     pub fn accumulating(&self, jumps: &[Option<usize>]) -> Vec<bool> {
         let count = jumps.len();
@@ -358,8 +358,8 @@ pub trait OrbitUnderWay {
     /// Keeps what another run needs to go on from the end of this one.
     fn remember(&mut self);
 
-    /// What another run needs to go on from the end of this one: after [`OrbitUnderWay::remember`]
-    /// before the first step, if this run has reached its end time.
+    /// Memory from which another run goes on from the end of this one: after
+    /// [`OrbitUnderWay::remember`] before the first step, if this run has reached its end time.
     fn memory(&self) -> Option<RunMemory>;
 
     /// Present time.
@@ -566,7 +566,7 @@ pub(crate) fn run(
 }
 
 /// A whole orbit: phases, transitions, and every step with the solution over it.
-pub(crate) struct Orbit {
+pub(crate) struct RecordedOrbit {
     pub phases: Vec<Phase>,
     pub transitions: Vec<Transition>,
     pub steps: Vec<(Step, Solution)>,
@@ -574,7 +574,7 @@ pub(crate) struct Orbit {
     pub end: Summary,
 }
 
-impl Orbit {
+impl RecordedOrbit {
     /// Integrates and stores the orbit up to its end or its failure, which is returned as well.
     ///
     /// # Errors
@@ -585,7 +585,7 @@ impl Orbit {
         t_end: f64,
         options: &Options,
     ) -> Result<(Self, Option<Error>), Error> {
-        let mut orbit = Orbit {
+        let mut orbit = RecordedOrbit {
             phases: Vec::new(),
             transitions: Vec::new(),
             steps: Vec::new(),

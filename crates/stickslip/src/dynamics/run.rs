@@ -181,7 +181,7 @@ pub(super) struct Run<'a, S: Switched<N, G>, V, J, const N: usize, const G: usiz
     remembered: Option<(StepMemory, Option<JumpMemory>, usize)>,
     /// Number of items reported since.
     items: usize,
-    /// What is not reported again.
+    /// Items that are not reported again.
     repeated: Option<Repeated>,
 }
 

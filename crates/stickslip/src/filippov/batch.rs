@@ -57,7 +57,8 @@ struct ActiveOrbit<M> {
     watches_step: bool,
 }
 
-/// What orbits must share to be expanded together: the system's class and what decides the flow.
+/// Key that orbits must share to be expanded together: the system's class and what decides the
+/// flow.
 type GroupKey<K, B> = (usize, K, B);
 
 /// Orbits with the same key that wait for a series.

@@ -174,7 +174,7 @@ where
     }
 }
 
-/// For every start, the first start with an equal system.
+/// Index, for every start, of the first start with an equal system.
 fn classes<S: PartialEq, const N: usize>(starts: &[Start<S, N>]) -> Vec<usize> {
     let mut firsts: Vec<usize> = Vec::new();
     let class = |(number, start): (usize, &Start<S, N>)| {

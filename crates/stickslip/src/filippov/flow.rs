@@ -174,7 +174,7 @@ pub trait Flow<const N: usize> {
         self.range(i, t, x).is_some_and(is_positive)
     }
 
-    /// Which of the `G` guards do. A guard that does not exist does.
+    /// Marks the guards of `G` that certainly stay positive. A guard that does not exist does.
     #[inline(always)]
     fn are_clear<const G: usize>(&self, t: Interval, x: &[Interval; N]) -> [bool; G] {
         if Self::TOGETHER {
@@ -389,7 +389,8 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
         (field, guards)
     }
 
-    /// In each copy the mode is a constant, so that the compiler knows where the coefficients are.
+    /// Expands the flow, with a copy of the code for each mode. The mode is a constant of the copy,
+    /// so that the compiler knows where the coefficients are.
     #[inline(always)]
     fn expand<const L: usize, const G: usize>(
         &self,
@@ -456,7 +457,7 @@ pub(crate) fn seeded<const N: usize>(
 }
 
 /// Gradient of the boundary function in the state, and its time derivative.
-pub fn boundary_gradient<S: Filippov<N>, const N: usize>(
+pub(super) fn boundary_gradient<S: Filippov<N>, const N: usize>(
     system: &S,
     t: f64,
     x: &State<N>,

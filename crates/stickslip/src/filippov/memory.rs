@@ -1,4 +1,4 @@
-//! What a run depends on between two steps: enough to go on with the same bits.
+//! Memory of a run between two steps: enough to go on with the same bits.
 
 use super::integration::{Due, Integration};
 use super::options::Options;

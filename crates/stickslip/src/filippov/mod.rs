@@ -35,8 +35,8 @@ pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
+pub use flow::normal_component;
 pub(crate) use flow::{Flow, gradient, seeded};
-pub use flow::{boundary_gradient, normal_component};
 pub use integration::{Integration, Progress};
 pub(crate) use memory::StepMemory;
 pub use observer::{
@@ -49,7 +49,7 @@ pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
 pub use sections::{
     Direction, EventFunctions, EventOf, EventRecord, EventSearch, OrbitWithEvents, Plane, Strobe,
-    Watched, WatchedProgress, solve_with_events,
+    solve_with_events,
 };
 pub(crate) use sections::{SearchMemory, TOLERATED};
 pub(crate) use solve::notify;

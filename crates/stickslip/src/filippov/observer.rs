@@ -1,4 +1,4 @@
-//! What a run reports to an observer: steps, transitions, phases.
+//! Reports of a run to an observer: steps, transitions, phases.
 
 use std::ops::{ControlFlow, Sub};
 

@@ -210,8 +210,8 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
     }
 }
 
-/// From near a two-fold onto it, by Newton steps for the boundary function and for the mean of its
-/// rates along both fields.
+/// Moves from near a two-fold onto it, by Newton steps for the boundary function and for the mean
+/// of its rates along both fields.
 fn onto_two_fold<S: Filippov<N>, const N: usize>(system: &S, at: &Timed<N>) -> State<N> {
     let mut here = *at;
     for _ in 0..PROJECTION_STEPS {

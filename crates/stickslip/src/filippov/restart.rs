@@ -198,7 +198,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         State::from(self.with_flow(velocity))
     }
 
-    /// How far the state may move where the next step begins: onto the manifold of a stick.
+    /// Largest motion of the state where the next step begins: onto the manifold of a stick.
     pub(crate) fn distance_to_settle(&self) -> f64 {
         match S::of_contacts(&self.mode).contains(&Mode::Stick) {
             true => self.run.slack(),

@@ -1,4 +1,4 @@
-//! What happens on Σ: the switching rules.
+//! Switching rules: the fate of points of Σ.
 //!
 //! At a point of Σ each field either leaves into its own side or pushes towards Σ. The sign of the
 //! first Lie derivative of the boundary function along the field that does not vanish decides.
@@ -31,9 +31,9 @@ pub enum Fate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Departure {
     pub fate: Fate,
-    /// For every guard of the mode that follows, the number of derivatives, from the value on, that
-    /// vanish at the start. It is 0 away from zero, 1 where the motion leaves Σ across, and 2 where
-    /// it leaves from a tangent point.
+    /// Number of derivatives, from the value on, of every guard of the next mode that vanish at the
+    /// start. It is 0 away from zero, 1 where the motion leaves Σ across, 2 where it leaves from a
+    /// tangent point.
     pub orders: [usize; GUARDS],
 }
 
@@ -269,8 +269,9 @@ pub(crate) struct LeadingDerivative {
 }
 
 impl LeadingDerivative {
-    /// Of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`]. `tangent`: the first
-    /// derivative vanishes by construction, so that its rounding does not count.
+    /// Leading derivative of `side`'s field at `(t, x)`; `slack` as for [`LieDerivatives::new`].
+    /// `tangent`: the first derivative vanishes by construction, so that its rounding does not
+    /// count.
     pub(crate) fn new<S: Filippov<N>, const N: usize>(
         system: &S,
         side: Side,

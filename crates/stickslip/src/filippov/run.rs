@@ -46,8 +46,7 @@ pub struct StepState<const N: usize, const G: usize> {
     pub from: Timed<N>,
     /// End of the last step.
     pub at: Timed<N>,
-    /// For each guard that has not left its last zero, the number of derivatives that vanish there;
-    /// 0 for the others.
+    /// Number of derivatives of each guard that vanish at its last zero; 0 once it has left that.
     pub orders: [usize; G],
     /// Start and end of the last step, and the solution over it. [`StepState::at`] differs from the
     /// end when a stick phase begins on Σ.

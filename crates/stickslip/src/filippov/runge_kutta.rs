@@ -32,7 +32,7 @@ pub(crate) struct RungeKuttaStepper<const N: usize> {
     without_dense: Option<(State<N>, f64)>,
 }
 
-/// If a step could have been longer by this factor, error control does not bound it. Chosen: its
+/// Factor by which a step could have been longer if error control does not bound it. Chosen: its
 /// error is then below 2 % of the tolerance.
 const LONGER_STEP: f64 = 1.5;
 

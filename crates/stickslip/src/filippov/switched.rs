@@ -112,8 +112,8 @@ pub trait Switched<const N: usize, const G: usize> {
         None
     }
 
-    /// How the run continues from near the point `at`, where transitions of these contacts
-    /// accumulate, with all of them in stick. `None` if they cannot all hold there.
+    /// Continues the run from near the point `at`, where transitions of these contacts accumulate,
+    /// with all of them in stick. `None` if they cannot all hold there.
     #[doc(hidden)]
     fn stick_at_accumulation(
         &self,

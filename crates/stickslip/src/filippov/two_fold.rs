@@ -19,9 +19,9 @@ use crate::system::{Mode, Side, State};
 /// ends runs that pass it; with a shorter one, steps collapse before it.
 const TWO_FOLD_TIME: f64 = 5e-7;
 
-/// At a two-fold the fields differ by more than this factor times their normal components. Else
+/// Least ratio, at a two-fold, of the difference of the fields to their normal components. Below it
 /// they agree and Σ has no effect, as where friction has no normal force. Chosen: at a two-fold the
-/// factor grows without bound.
+/// ratio grows without bound.
 const FIELD_DIFFERENCE: f64 = 10.0;
 
 /// The two-fold of a contact at the present state, if there is one: with the other contacts in
@@ -88,7 +88,7 @@ pub(super) fn two_fold_in_stick<S: Switched<N, G>, const N: usize, const G: usiz
     folds.next()
 }
 
-/// What follows the end of a stick phase of a contact at a two-fold, if it is at one.
+/// Continuation after the end of a stick phase of a contact at a two-fold, if it is at one.
 pub(super) fn two_fold_followed<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     run: &StepState<N, G>,
@@ -150,7 +150,7 @@ impl<const N: usize> UseFlow<N> for MotionOfSide<'_, N> {
     }
 }
 
-/// How a flow that is tangent to the boundary of a contact, which slips in it, touches it.
+/// Kind of the tangency of a flow with the boundary of a contact that slips in it.
 struct TangencyKind<'a, const N: usize>(usize, &'a Timed<N>);
 
 impl<const N: usize> UseFlow<N> for TangencyKind<'_, N> {

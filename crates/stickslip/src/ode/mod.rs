@@ -10,7 +10,7 @@ mod rk4;
 mod step;
 mod tableau;
 
-pub use control::Tolerance;
+pub(crate) use control::Tolerance;
 pub use dense::Dense;
 pub(crate) use dense::power_series;
 pub use dop853::Dop853;

@@ -17,7 +17,7 @@ use super::row::{CoefficientRow, Lanes};
 use super::sweep::{CoefficientRows, Sweep};
 use crate::scalar::Scalar;
 
-/// Where a number is: in a row, or among the linear numbers, which are linear in time or constant.
+/// Place of a number: in a row, or among the linear numbers, which are linear in time or constant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Location {
     InRow(u32),
@@ -55,8 +55,8 @@ pub(super) enum Operation {
     Root,
     Exponential,
     Logarithm,
-    /// These have no number as result but check a condition. The first number exceeds the second,
-    /// does not exceed it, is not zero, or lies where a function of it is not flat.
+    /// Conditions, which have no number as result: the first number exceeds the second, does not
+    /// exceed it, is not zero, or lies where a function of it is not flat.
     Exceeds,
     ExceedsNot,
     IsNotZero,

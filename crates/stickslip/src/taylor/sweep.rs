@@ -20,7 +20,7 @@ pub struct CoefficientRows<'a, const L: usize> {
     pub(crate) all: &'a [CoefficientRow<L>],
 }
 
-/// What the numbers of one sweep share, above all the storage of their earlier coefficients. Every
+/// Storage that the numbers of one sweep share, above all for their earlier coefficients. Every
 /// sweep assigns rows in the same order, so that each number gets the same row. If everything is
 /// inlined, the compiler knows the rows and no look-up remains.
 ///

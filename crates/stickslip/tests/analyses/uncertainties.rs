@@ -63,8 +63,8 @@ fn exponents_of_a_chain_of_equal_ones_are_as_uncertain_as_rounding_leaves_them()
     }
 }
 
-/// Where fields agree on a boundary through a focus, turns on its two sides last `π` and
-/// `2π/√3`, and the orbit shrinks by `exp(-π/√3)` on one of them.
+/// A focus on a boundary where fields agree: turns on its two sides last `π` and `2π/√3`, and the
+/// orbit shrinks by `exp(-π/√3)` on one of them.
 const DECAY: &str = "name = \"decay\"\n[states]\nx = \"\"\ny = \"\"\n\
                      [contacts.c]\nboundary = \"x\"\n\
                      [field]\nx = \"y - by_side(c, 0, x)\"\ny = \"-x\"\n";

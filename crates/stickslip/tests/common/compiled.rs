@@ -12,9 +12,9 @@ pub trait Compiled<const N: usize>: Filippov<N> {
     type Any<'a>: Filippov<N> + Send + Sync
     where
         Self: 'a;
-    /// For functions that take a typed system.
+    /// The system for functions that take a typed system.
     fn any(&self) -> Self::Any<'_>;
-    /// For the analyses.
+    /// The system for the analyses.
     fn dynamics(&self) -> DynamicsRef<'_>;
 }
 

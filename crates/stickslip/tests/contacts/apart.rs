@@ -22,7 +22,7 @@ pub fn three() -> Rig<3> {
 
 pub const START: [f64; 6] = [1.0, -0.5, 2.0, 0.0, 0.5, -0.3];
 
-/// One of them alone.
+/// One oscillator of the rig alone.
 pub struct SingleOscillator<'a>(pub &'a Rig<3>, pub usize);
 
 impl Filippov<2> for SingleOscillator<'_> {

@@ -18,7 +18,7 @@ mod spectra;
 mod static_friction;
 mod two_states;
 
-/// What is wrong with the contacts of a run.
+/// The fault of the contacts of a run.
 fn fault(error: &stickslip::Error) -> &stickslip::error::ContactFault {
     match error {
         stickslip::Error::Contacts { fault, .. } => fault,

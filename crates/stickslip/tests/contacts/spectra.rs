@@ -4,8 +4,7 @@ use stickslip::analysis::{
     Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
 };
 use stickslip::dynamics::Matrix;
-use stickslip::system::IntoState;
-use stickslip::{Error, Mode, Options, Several, State, solve};
+use stickslip::{Error, IntoState, Mode, Options, Several, State, solve};
 
 use super::apart::{START, SingleOscillator, three};
 use super::references::stacked;

@@ -4,9 +4,9 @@
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
-use stickslip::{Error, Failure, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis};
-
-use stickslip::system::IntoState;
+use stickslip::{
+    Error, Failure, IntoState, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis,
+};
 
 use crate::blocks::{Block, Bracket};
 use crate::compiled::{Compiled, traced};

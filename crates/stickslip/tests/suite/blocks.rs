@@ -17,7 +17,7 @@ pub struct Block {
 }
 
 impl Block {
-    /// In a double well. Its references are `data/references/belt_*.csv`.
+    /// A block in a double well. Its references are `data/references/belt_*.csv`.
     pub fn on_belt(belt_speed: f64) -> Self {
         Block {
             mass: 1.0,
@@ -31,7 +31,7 @@ impl Block {
         }
     }
 
-    /// On a softening spring, whose support is shaken. Far out the spring pushes away.
+    /// A block on a softening spring, whose support is shaken. Far out the spring pushes away.
     pub fn shaken() -> Self {
         Block {
             mass: 0.1,

@@ -47,7 +47,8 @@ fn a_stick_that_ends_at_a_corner_of_the_boundary_ends_there_once() {
     }
 }
 
-/// On a belt, driven by the positive half waves of a sine; the weight decides the time of release.
+/// A block on a belt, driven by the positive half waves of a sine; the weight decides the time of
+/// release.
 pub struct CornerOfField {
     friction: f64,
 }
@@ -83,8 +84,8 @@ fn a_stick_that_ends_just_before_a_corner_of_the_field_ends_by_runge_kutta_too()
     }
 }
 
-/// On a belt that moves as a sine, with constant friction, written as the maximum of two forces
-/// that are equal during stick.
+/// A block on a belt that moves as a sine, with constant friction, written as the maximum of two
+/// forces that are equal during stick.
 pub struct EqualInStick;
 
 impl Filippov<2> for EqualInStick {

@@ -1,4 +1,4 @@
-//! What ends a run: the motion between events, and never their number.
+//! Ends of a run: the motion between events decides them, and never their number.
 
 use std::f64::consts::PI;
 

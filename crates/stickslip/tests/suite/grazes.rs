@@ -57,7 +57,8 @@ impl Spiral {
         State::from([radius * math::cos(angle), -radius * math::sin(angle)])
     }
 
-    /// From half a turn before the maximum to half a turn after it, so that it is the only one.
+    /// Times from half a turn before the maximum to half a turn after it, so that it is the only
+    /// one.
     fn span(&self) -> (f64, f64) {
         let half = 0.999 * PI / self.frequency;
         (self.top - half, self.top + half)
@@ -69,7 +70,7 @@ impl Spiral {
     }
 }
 
-/// Under a fixed ceiling: field and boundary are linear.
+/// A spiral under a fixed ceiling: field and boundary are linear.
 pub struct AtRest(Spiral);
 
 impl Filippov<2> for AtRest {

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{Exponent, Growth, Spectrum, SpectrumOptions, multipliers, saltation};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions, multipliers};
 use stickslip::dynamics::Matrix;
 use stickslip::{
     Error, Filippov, Method, Mode, Observer, Options, Scalar, Side, State, Transition,
@@ -210,32 +210,6 @@ fn lorenz() {
     );
 }
 
-/// Two vectors that grow at the rates 0.25 and 0.5, from time 2 on.
-#[test]
-fn a_growth_has_one_running_mean_to_a_time_and_the_last_at_its_end() {
-    // To the end of a sample, and slightly beyond.
-    for (steps, samples) in [(80, 5), (81, 6)] {
-        let settings = SpectrumOptions::over(0.0, 10.0).blocks(4).samples(5);
-        let mut growth = Growth::new(2, 2.0, &settings);
-        let elapsed = f64::from(steps) / 8.0;
-        for step in 1..=steps {
-            growth.logs[0] += 0.25 / 8.0;
-            growth.logs[1] += 0.5 / 8.0;
-            growth.tick(2.0 + f64::from(step) / 8.0);
-        }
-        let (measured, exponents, running) = growth.finish(2.0 + elapsed);
-        assert_eq!(measured, elapsed);
-        assert_eq!(running.len(), samples, "{running:?}");
-        assert!(running.is_sorted_by(|one, next| one.elapsed < next.elapsed));
-        assert_eq!(running.last().map(|last| last.elapsed), Some(elapsed));
-        assert!(running.iter().all(|entry| entry.exponents == [0.5, 0.25]));
-        for (exponent, value) in exponents.iter().zip([0.5, 0.25]) {
-            let std_error = 0.0;
-            assert_eq!(*exponent, Exponent::Finite { value, std_error });
-        }
-    }
-}
-
 pub struct Roessler;
 impl Field<3> for Roessler {
     fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {
@@ -385,10 +359,9 @@ impl Observer<2> for Determinants {
         let (Mode::Slip(from), Mode::Slip(to)) = (at.from, at.to) else {
             return ControlFlow::Break(());
         };
-        let velocity = |side| State::from(Refracting.field(side, at.t, at.x.as_ref()));
-        let (before, after) = (velocity(from), velocity(to));
-        let jump = saltation(&Refracting, at.t, &at.x, &before, &after);
-        self.sum += math::ln((jump[(0, 0)] * jump[(1, 1)] - jump[(0, 1)] * jump[(1, 0)]).abs());
+        // The determinant of `I + (f⁺ − f⁻) ∇hᵀ / (∇h·f⁻)` is `∇h·f⁺ / ∇h·f⁻`, by Sylvester.
+        let rate = |side| Refracting.field(side, at.t, at.x.as_ref())[0];
+        self.sum += math::ln((rate(to) / rate(from)).abs());
         self.count += 1;
         ControlFlow::Continue(())
     }

@@ -17,9 +17,9 @@ pub enum Shape {
     Bell,
     /// `1/cosh u`
     Sech,
-    /// The same, written as a power.
+    /// `1/cosh u`, written as a power.
     Power,
-    /// The same, written by exponential functions.
+    /// `1/cosh u`, written by exponential functions.
     Exponentials,
 }
 
@@ -60,7 +60,7 @@ pub struct Pushed {
     belt: f64,
 }
 
-/// On a belt at rest, pushed with slightly more than the friction limit.
+/// A block on a belt at rest, pushed with slightly more than the friction limit.
 const PUSHED: Pushed = Pushed {
     shape: Shape::Bell,
     at: 0.0,
@@ -160,7 +160,8 @@ fn a_pulse_right_behind_the_start_of_a_step_is_found() {
     }
 }
 
-/// On a belt that carries it over a place where friction is small for a hundredth of a second.
+/// A block on a belt that carries it over a place where friction is small for a hundredth of a
+/// second.
 pub struct Slippery {
     belt: f64,
 }

@@ -276,7 +276,7 @@ impl Filippov<2> for Pit {
     }
 }
 
-/// The same, by reading the value.
+/// The motion of [`Pit`], with a boundary that reads the value.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Gate {
     pub radius: f64,
@@ -296,7 +296,8 @@ impl Filippov<2> for Gate {
     }
 }
 
-/// Over the edge at `asin r` and back at `π − asin r`, both within the first step if that is long.
+/// Checks the motion over the edge at `asin r` and back at `π − asin r`, both within the first step
+/// if that is long.
 fn out_and_back<S: Compiled<2>>(system: &S, radius: f64) {
     for (tolerance, first_step, bound) in
         [(1e-3, 0.1, 2e-2), (1e-3, 3.0, 2e-2), (1e-14, 3.0, 1e-13)]
@@ -574,7 +575,7 @@ fn a_boundary_that_grows_steeply_within_a_step_is_met_there_and_back() {
     }
 }
 
-/// At rest except for a push between 1 - 1/30 and 1 + 1/30, by the excess of `1/(1 + 100 (t - 1)²)`
+/// Rest except for a push between 1 - 1/30 and 1 + 1/30, by the excess of `1/(1 + 100 (t - 1)²)`
 /// over 0.9. Σ is far away.
 pub struct Push;
 

@@ -1,4 +1,4 @@
-//! How the captions of Figs. 10–12 become a system.
+//! Interpretations by which the captions of Figs. 10–12 become a system.
 
 use super::BlockAndBracket;
 use stickslip::{Error, Filippov};
@@ -13,7 +13,7 @@ pub struct Caption {
 }
 
 impl Caption {
-    /// Those of Figs. 10, 11 and 12.
+    /// Captions of Figs. 10, 11 and 12.
     pub const ALL: [Caption; 3] = [Caption::FIG10, Caption::FIG11, Caption::FIG12];
     /// Fig. 10, "two-periodic".
     pub const FIG10: Caption = Caption {
@@ -56,7 +56,7 @@ pub enum Amplitude {
     One,
 }
 
-/// How ξ6 and ξ7 enter the normal force.
+/// Terms of ξ6 and ξ7 in the normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unloading {
     /// `N/mg = 1 − (ξ6 x₃ + ξ7 x₄)/μ0`, because `ξ6 = μ0 k3/k2` and `ξ7 = μ0 ω c2/k2` already
@@ -76,7 +76,7 @@ pub struct Interpretation {
     pub friction_sign: f64,
     /// Amplitude of friction.
     pub amplitude: Amplitude,
-    /// How the bracket unloads the contact.
+    /// Unloading of the contact by the bracket.
     pub unloading: Unloading,
     /// Whether the normal force is clipped at zero.
     pub clipped: bool,

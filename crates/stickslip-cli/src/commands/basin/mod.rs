@@ -82,7 +82,7 @@ pub(super) struct Basin {
     plane: [StateRange; 2],
     /// Points in the plane.
     points: Points,
-    /// The other components of the starts.
+    /// Components of the starts outside the plane.
     start: Vec<f64>,
     until: f64,
     solver: SolverArguments,

@@ -43,7 +43,7 @@ pub(super) struct Span {
     pub(super) values: (f64, f64),
     /// The class of the motion.
     pub(super) class: String,
-    /// Why the run at the first value failed, if it did.
+    /// Error of the run at the first value, if it failed.
     pub(super) reason: Option<String>,
 }
 

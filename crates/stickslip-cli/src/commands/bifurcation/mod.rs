@@ -47,7 +47,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "201")]
     values: NonZeroUsize,
 
-    /// Which changes are located
+    /// Changes that are located
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     locate: Locate,
 
@@ -63,7 +63,7 @@ pub(super) struct Arguments {
     run: RunArguments,
 }
 
-/// Which changes are located.
+/// Selection of the changes that are located.
 #[derive(Clone, Copy, Debug, Default, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Locate {

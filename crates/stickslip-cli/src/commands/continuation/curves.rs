@@ -75,7 +75,7 @@ pub(super) fn report(
     Ok(())
 }
 
-/// Why a curve ends, in words.
+/// Words for the end of a curve.
 fn described(stop: CurveStop) -> &'static str {
     match stop {
         CurveStop::Range => "(an end of a range)",

@@ -25,10 +25,10 @@ use std::num::NonZeroUsize;
 /// fit.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// What is fitted: parameters, states for their start values, t0 for the time of the start
+    /// Fitted numbers: parameters, states for their start values, t0 for the time of the start
     #[arg(long, value_name = "NAME,...", required = true)]
     fit: String,
-    /// What a column of the data measures; can be repeated
+    /// Quantity that a column of the data measures; can be repeated
     ///
     /// A formula of states, inputs, parameters and t, with the name of the column in front where
     /// it is not the formula itself, as in force=k*z.
@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     /// A parameter that only formulas of --observe have, as an offset, and its value
     #[arg(long, value_name = "NAME=VALUE")]
     extra: Vec<String>,
-    /// Of what is fitted, parameters that each record has for itself, as starts always are
+    /// Fitted parameters that each record has for itself, as starts always are
     #[arg(long, value_name = "NAME,...")]
     each: Option<String>,
     /// A parameter of one record, by the number of its file: 2:speed=0.3; can be repeated
@@ -117,7 +117,7 @@ fn failure(error: FitError, system: &System) -> Failure {
     }
 }
 
-/// How a search ended, in words.
+/// Words for the end of a search.
 fn ending(end: LeastSquaresEnd) -> &'static str {
     match end {
         LeastSquaresEnd::Cost => "the sum of squares stays",

@@ -1,4 +1,4 @@
-//! What the command line asks of a fit.
+//! Request of a fit from the command line.
 
 use std::collections::HashMap;
 

@@ -35,7 +35,7 @@ pub(super) struct Findings {
 pub(super) struct Embedded {
     /// Delay and dimension, with the evidence for them.
     pub(super) choice: EmbeddingChoice,
-    /// Which exponents belong to the system.
+    /// Origins of the exponents: the system or the embedding.
     pub(super) reversal: Reversal,
 }
 
@@ -285,7 +285,7 @@ impl Embedded {
         self.reversal.origins.get(i) == Some(&Origin::Spurious)
     }
 
-    /// How the series was embedded, and why.
+    /// Describes the embedding of the series and its reasons.
     fn text(&self, source: &Table) -> String {
         let choice = &self.choice;
         // A bare number could be read as a value.
@@ -309,7 +309,7 @@ impl Embedded {
         )
     }
 
-    /// Which exponents belong to the system and which to the embedding.
+    /// Describes the origins of the exponents: the system or the embedding.
     fn origins(&self, spectrum: &DataSpectrum) -> String {
         let [system, spurious, unknown] =
             [Origin::System, Origin::Spurious, Origin::Unknown].map(|origin| {

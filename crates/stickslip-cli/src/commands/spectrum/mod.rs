@@ -106,7 +106,7 @@ pub(super) struct Arguments {
     )]
     rank_tolerance: f64,
 
-    /// How exponents are estimated from the local maps
+    /// Estimator of the exponents from the local maps
     #[arg(long, value_enum, default_value_t = Method::Extrapolated)]
     estimator: Method,
 
@@ -167,10 +167,10 @@ pub(super) struct Arguments {
     out: Option<String>,
 }
 
-/// How exponents are estimated from the local maps.
+/// Estimator of the exponents from the local maps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Method {
-    /// From two sizes of the neighbourhoods to size zero, with the error of that
+    /// Extrapolation from two sizes of the neighbourhoods to size zero, with its error
     Extrapolated,
     /// Linear maps of one size, Eqs. (25) and (26) of the paper, no correction
     SanoSawada,

@@ -12,11 +12,11 @@ use super::super::build::tape;
 use super::super::builder::{Builder, Inputs, Scope, no_number};
 use super::super::problem::Problem;
 use super::super::{StopEntry, SystemFile};
-use crate::expression::{Binary, Graph, Id, NotANumber, Variable};
+use crate::expression::{Binary, Graph, GraphInput, Id, NotANumber};
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
 /// The equations of the stops in one combination of sides.
-pub(super) struct Equations {
+pub(super) struct StopEquations {
     /// The gaps, and their rates without reactions.
     pub gaps: Vec<Id>,
     pub rates: Vec<Id>,
@@ -32,7 +32,7 @@ pub(super) struct Equations {
 pub(super) fn derivative(
     graph: &mut Graph,
     root: Id,
-    direction: impl Fn(Variable) -> Option<Id>,
+    direction: impl Fn(GraphInput) -> Option<Id>,
 ) -> Result<Id, NotANumber> {
     match graph.along(root, direction)? {
         Some(derivative) => Ok(derivative),
@@ -41,22 +41,22 @@ pub(super) fn derivative(
 }
 
 /// The direction of motion with these rates of the states.
-fn motion(rates: &[Id], one: Id) -> impl Fn(Variable) -> Option<Id> {
+fn motion(rates: &[Id], one: Id) -> impl Fn(GraphInput) -> Option<Id> {
     move |of| match of {
-        Variable::Time => Some(one),
-        Variable::State(number) => rates.get(number).copied(),
+        GraphInput::Time => Some(one),
+        GraphInput::State(number) => rates.get(number).copied(),
     }
 }
 
 /// The direction that a unit of a reaction pushes the rates to.
-pub(super) fn push(acts: &[Option<Id>]) -> impl Fn(Variable) -> Option<Id> {
+pub(super) fn push(acts: &[Option<Id>]) -> impl Fn(GraphInput) -> Option<Id> {
     move |of| match of {
-        Variable::Time => None,
-        Variable::State(number) => acts.get(number).copied().flatten(),
+        GraphInput::Time => None,
+        GraphInput::State(number) => acts.get(number).copied().flatten(),
     }
 }
 
-/// What a unit of each reaction adds to the rates, by stop and state.
+/// Effects of a unit of each reaction on the rates, by stop and state.
 pub(super) fn acts(
     file: &SystemFile,
     inputs: Inputs<'_>,
@@ -281,7 +281,7 @@ impl<'a> Build<'a> {
         let free = derivative(graph, rate, motion(&without, self.one)).map_err(wrong)?;
         let mut coupling = Vec::with_capacity(self.unknown.len());
         for number in 0..self.unknown.len() {
-            let only = |of| (of == Variable::State(first + number)).then_some(self.one);
+            let only = |of| (of == GraphInput::State(first + number)).then_some(self.one);
             coupling.push(derivative(graph, bent, only).map_err(wrong)?);
         }
         let bends = |part: &Id| graph.depends_on_states(*part, |state| state >= first);
@@ -339,10 +339,10 @@ pub(super) fn equations(
     inputs: Inputs<'_>,
     graph: &mut Graph,
     of: Combination,
-) -> Result<Equations, Problem> {
+) -> Result<StopEquations, Problem> {
     let mut build = Build::new(file, inputs, graph)?;
     let [_, field] = build.fields(graph, of)?;
-    let mut found = Equations {
+    let mut found = StopEquations {
         gaps: Vec::new(),
         rates: Vec::new(),
         free: Vec::new(),
@@ -415,7 +415,7 @@ pub(in super::super) fn reactions(
 fn solved(
     file: &SystemFile,
     graph: &mut Graph,
-    equations: &Equations,
+    equations: &StopEquations,
 ) -> Result<Vec<Id>, NotANumber> {
     let count = file.stops.len();
     let closed: Vec<Id> = file

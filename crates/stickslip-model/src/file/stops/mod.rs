@@ -9,7 +9,7 @@ use stickslip::error::readable;
 
 mod equations;
 
-use equations::{Equations, acts, by_state, derivative, equations, push, ways};
+use equations::{StopEquations, acts, by_state, derivative, equations, push, ways};
 
 pub(super) use equations::{openings, reactions};
 
@@ -19,7 +19,7 @@ use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::table::{Entry, Table};
 use super::{Formula, JumpEntry, StateEntry, StopEntry, StopEvent, SystemFile};
-use crate::expression::{Binary, Function, Graph, Id, NotANumber, Variable};
+use crate::expression::{Binary, Function, Graph, GraphInput, Id, NotANumber};
 use crate::kernel::{Combination, Impacts};
 
 /// Most stops of a file. Chosen: an impact tries all sets of those that touch.
@@ -195,7 +195,7 @@ fn size(graph: &mut Graph, of: Id, states: usize) -> Result<Id, NotANumber> {
     let mut size = graph.constant(0.0)?;
     let one = graph.constant(1.0)?;
     for state in 0..states {
-        let only = |variable| (variable == Variable::State(state)).then_some(one);
+        let only = |variable| (variable == GraphInput::State(state)).then_some(one);
         if let Some(slope) = graph.along(of, only)? {
             let value = graph.state(state);
             let part = graph.binary(Binary::Product, slope, value)?;
@@ -211,7 +211,7 @@ fn impacts(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
-    (equations, acts): (&Equations, &[Vec<Option<Id>>]),
+    (equations, acts): (&StopEquations, &[Vec<Option<Id>>]),
 ) -> Result<Impacts, Problem> {
     let states = file.states.len();
     let mut roots = Vec::new();

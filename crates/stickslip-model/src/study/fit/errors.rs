@@ -1,4 +1,4 @@
-//! Why there is no fit.
+//! Reasons for which there is no fit.
 
 use stickslip::Error;
 use stickslip::error::readable;
@@ -6,7 +6,7 @@ use stickslip::error::readable;
 use crate::file::{FileError, SettingError};
 use crate::study::NoVariable;
 
-/// Why there is no fit.
+/// Reason for which there is no fit.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FitError {
@@ -22,7 +22,7 @@ pub enum FitError {
     /// A request that cannot be answered: the fault and the remedy.
     #[error("{0}")]
     Request(String),
-    /// There is neither a record nor a value in one.
+    /// No record has a value.
     #[error("there are no data: give at least one record with a value")]
     NoData,
     /// More unknowns than values.
@@ -90,7 +90,7 @@ pub enum FitError {
     Start {
         /// Name of the record.
         record: String,
-        /// Why.
+        /// Error of the run.
         #[source]
         cause: Error,
     },
@@ -113,7 +113,7 @@ pub enum FitError {
     NoDerivatives {
         /// Name of the record.
         record: String,
-        /// Why, and from when on.
+        /// Loss of the derivatives, with its time and reason.
         #[source]
         cause: Error,
     },
@@ -125,7 +125,7 @@ pub enum FitError {
     Part {
         /// Name of the record, and start and end of the part.
         part: String,
-        /// Why; none where the run ends before the part does.
+        /// Error of the part's run; none where the run ends before the part does.
         #[source]
         cause: Option<Error>,
     },

@@ -24,12 +24,12 @@ use stickslip::{Error, Options};
 pub use errors::FitError;
 use problem::{Problem, Sequence};
 pub use statistics::RunsTest;
-pub use uncertainty::Uncertainty;
+pub use uncertainty::FitUncertainty;
 use work::Work;
 
 use crate::file::SystemFile;
 
-/// What is measured.
+/// A measured quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observable {
     /// Name of its column.
@@ -62,7 +62,7 @@ pub struct Record {
 pub struct Unknown {
     /// Name.
     pub name: String,
-    /// Where the search begins; default as in the file.
+    /// Value at which the search begins; default as in the file.
     pub start: Option<f64>,
     /// Bounds, within the range that the file gives.
     pub bounds: (f64, f64),
@@ -79,11 +79,11 @@ pub struct FitRequest {
     pub set: Vec<(String, f64)>,
     /// Parameters of the observables alone, as offsets, with their values.
     pub extra: Vec<(String, f64)>,
-    /// What is measured.
+    /// Measured quantities.
     pub observables: Vec<Observable>,
     /// Records.
     pub records: Vec<Record>,
-    /// What is fitted.
+    /// Fitted numbers.
     pub unknowns: Vec<Unknown>,
     /// Weight of large residuals.
     pub loss: Loss,
@@ -105,7 +105,7 @@ pub struct FitRequest {
 pub struct FittedValue {
     /// Name; with several records `x@2` is that of the second.
     pub name: String,
-    /// Where the search began.
+    /// Value at which the search began.
     pub start: f64,
     /// Value.
     pub value: f64,
@@ -155,7 +155,7 @@ pub struct Fit {
     /// Fitted values.
     pub values: Vec<FittedValue>,
     /// Uncertainties and what the data do not determine.
-    pub uncertainty: Uncertainty,
+    pub uncertainty: FitUncertainty,
     /// Columns of all records.
     pub columns: Vec<FittedColumn>,
     /// Start, end and modes of the phases of each record.
@@ -164,12 +164,12 @@ pub struct Fit {
     pub times: Vec<Vec<f64>>,
     /// Half the weighted sum of squares of the residuals over their standard deviations.
     pub cost: f64,
-    /// With multiple shooting that ends in parts: the largest mismatch of two parts, over the
-    /// spread of the state.
+    /// Largest mismatch of two parts, over the spread of the state, with multiple shooting that
+    /// ends in parts.
     pub mismatch: Option<f64>,
     /// Number of values minus number of unknowns.
     pub freedom: usize,
-    /// Why the search ended.
+    /// Reason for the end of the search.
     pub end: LeastSquaresEnd,
     /// Steps, in all stages of the search for this minimum; so are the numbers below.
     pub steps: usize,
@@ -299,7 +299,7 @@ fn finished(
             break;
         }
     }
-    let uncertainty = Uncertainty::of(problem, &best);
+    let uncertainty = FitUncertainty::of(problem, &best);
     problem.check_interrupt()?;
     let others = others.into_iter().map(|one| OtherMinimum {
         values: one.x.as_slice().to_vec(),
@@ -312,15 +312,15 @@ fn finished(
 /// Values and derivatives of all columns of all records.
 #[derive(Clone, Debug)]
 pub(crate) struct Modelled {
-    /// For each record, for each column, the values at its times.
+    /// Values by record, column and time.
     pub(crate) values: Vec<Vec<Vec<f64>>>,
     /// Residuals over deviations, without missing values.
     pub(crate) residuals: Vector,
-    /// Their derivatives.
+    /// Derivatives of the residuals.
     pub(crate) jacobian: Matrix,
     /// Phases of each record.
     pub(crate) phases: Vec<Vec<(f64, f64, Modes)>>,
-    /// Why, and from when on, a record has no derivatives.
+    /// Record without derivatives, and the time and reason of their loss.
     pub(crate) lost: Option<(usize, Error)>,
 }
 

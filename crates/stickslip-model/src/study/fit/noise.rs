@@ -45,7 +45,7 @@ impl Problem<'_> {
         largest
     }
 
-    /// For each observable the sizes of its residuals, in the unit of the data.
+    /// Sizes of the residuals of each observable, in the unit of the data.
     fn sizes(&self, residuals: &Vector) -> Vec<Vec<f64>> {
         let mut sizes = vec![Vec::new(); self.sigmas.len()];
         let mut weighted = residuals.iter();

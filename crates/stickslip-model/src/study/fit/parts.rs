@@ -17,7 +17,7 @@ const LEAST_ROWS: usize = 2;
 
 /// The start of a part of a record that is not its first.
 #[derive(Clone)]
-pub(super) struct Node {
+pub(super) struct PartStart {
     /// Number of the part. The one before it ends where it begins.
     pub(super) part: usize,
     /// First unknown of its start.
@@ -29,7 +29,7 @@ pub(super) struct Node {
 /// Starts of the parts, and the spread of each state.
 #[derive(Default)]
 pub(super) struct Parts {
-    pub(super) nodes: Vec<Node>,
+    pub(super) nodes: Vec<PartStart>,
     spreads: Vec<f64>,
 }
 
@@ -116,7 +116,7 @@ impl<'r> Problem<'r> {
                         });
                     }
                     let others = points.iter().step_by(every);
-                    parts.nodes.push(Node {
+                    parts.nodes.push(PartStart {
                         part: runs.len(),
                         first,
                         candidates: std::iter::once(begin).chain(others).cloned().collect(),
@@ -140,7 +140,11 @@ impl<'r> Problem<'r> {
     }
 
     /// Residuals of one part alone, by the unknowns of its start.
-    pub(super) fn of_part(&self, node: &Node, x: &Vector) -> Result<Residuals<Sequence>, Failed> {
+    pub(super) fn of_part(
+        &self,
+        node: &PartStart,
+        x: &Vector,
+    ) -> Result<Residuals<Sequence>, Failed> {
         let record = &self.records[node.part];
         let run = record.at(node.part, x, self.unknowns.len())?;
         let (mut residuals, mut slopes) = (Vec::new(), Vec::new());

@@ -25,7 +25,7 @@ pub(super) struct Problem<'r> {
     /// Records, or their parts in order.
     pub(super) records: Vec<RecordRun>,
     pub(super) parts: Option<Parts>,
-    /// For each observable.
+    /// Standard deviation of each observable's noise.
     pub(super) sigmas: Vec<f64>,
 }
 
@@ -171,7 +171,7 @@ impl<'r> Problem<'r> {
         Some(self.cost_of_data(&at.residuals))
     }
 
-    /// Why runs of whole records, or of parts, have failed.
+    /// The error of runs of whole records, or of parts, that have failed.
     pub(super) fn failed(&self, error: Failed) -> FitError {
         let (number, cause) = match error {
             Failed::Run(number, cause) => (number, Some(cause)),
@@ -193,7 +193,7 @@ impl<'r> Problem<'r> {
         }
     }
 
-    /// Why a part has no derivatives at a point.
+    /// The error of a part without derivatives at a point.
     pub(super) fn lost(&self, x: &Vector) -> FitError {
         match self.modelled(x) {
             Ok(Modelled {

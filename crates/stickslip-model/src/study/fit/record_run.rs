@@ -10,7 +10,7 @@ use super::{FitError, FitRequest, Record};
 use crate::expression::Tape;
 use crate::file::{FreeStarts, Meaning, Observed, System};
 
-/// Why the residuals of a record could not be computed.
+/// Reason for which the residuals of a record could not be computed.
 pub(super) enum Failed {
     /// The run fails: number of the record, and why.
     Run(usize, Error),
@@ -31,18 +31,18 @@ pub(super) struct RecordRun {
     t_start: Option<f64>,
     start: Vec<Option<f64>>,
     free: FreeStarts,
-    /// What is sought here.
+    /// Numbers that are sought here.
     pub(super) local: Local,
     /// Parameters that are states behind those of the system.
     parameters: Vec<usize>,
-    /// What the orbit is differentiated by.
+    /// Variables by which the orbit is differentiated.
     by: Vec<Variable>,
 }
 
 /// One record at a point.
 pub(super) struct RecordAt {
     pub(super) values: Vec<Vec<f64>>,
-    /// For each column and time, derivatives by everything that is sought.
+    /// Derivatives by everything that is sought, for each column and time.
     pub(super) slopes: Vec<Vec<Vec<f64>>>,
     pub(super) phases: Vec<(f64, f64, Modes)>,
     pub(super) lost: Option<Error>,

@@ -1,10 +1,10 @@
-//! What a fit reports of a minimum.
+//! Results of a fit for one minimum.
 
 use stickslip::analysis::LeastSquares;
 
 use super::problem::{Problem, Sequence};
 use super::statistics::runs_test;
-use super::uncertainty::Uncertainty;
+use super::uncertainty::FitUncertainty;
 use super::work::Work;
 use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
 
@@ -16,7 +16,7 @@ impl Problem<'_> {
         &self,
         best: &LeastSquares<Sequence>,
         work: Work,
-        uncertainty: Uncertainty,
+        uncertainty: FitUncertainty,
         others: Vec<OtherMinimum>,
     ) -> Result<Fit, FitError> {
         let parts = self.modelled(&best.x).map_err(|error| self.failed(error))?;
@@ -93,7 +93,7 @@ impl Problem<'_> {
         }
     }
 
-    /// What was modelled in parts, by records.
+    /// Joins the values of parts to those of records.
     fn joined(&self, at: Modelled) -> Modelled {
         let Some(parts) = &self.parts else {
             return at;

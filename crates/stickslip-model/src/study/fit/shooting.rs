@@ -7,11 +7,11 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::Vector;
 
-use super::parts::Node;
+use super::parts::PartStart;
 use super::problem::{Problem, Sequence};
 use super::record_run::Failed;
 use super::work::Work;
-use super::{Fit, FitError, Uncertainty, finished};
+use super::{Fit, FitError, FitUncertainty, finished};
 
 /// Weights of a mismatch over the spread of the state before the parts meet, from that of data with
 /// much noise.
@@ -80,7 +80,7 @@ pub(super) fn fit_in_parts(
             break;
         }
     }
-    let uncertainty = Uncertainty::of(&parts, &best);
+    let uncertainty = FitUncertainty::of(&parts, &best);
     parts.result(&best, work, uncertainty, Vec::new())
 }
 
@@ -104,7 +104,7 @@ fn starts_alone(parts: &Problem<'_>, mut x: Vector, work: &mut Work) -> Vector {
 
 /// The best start of a part with the parameters held, and the number of its runs. After those of
 /// the candidates there are at most so many.
-fn start_alone(parts: &Problem<'_>, x: &Vector, node: &Node, most: usize) -> (Vector, usize) {
+fn start_alone(parts: &Problem<'_>, x: &Vector, node: &PartStart, most: usize) -> (Vector, usize) {
     let states = node.candidates.first().map_or(0, Vector::len);
     let residuals = |start: &Vector| {
         let mut x = x.clone();

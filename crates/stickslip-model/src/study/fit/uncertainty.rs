@@ -22,8 +22,9 @@ const DOUBTFUL: f64 = 0.3;
 
 /// Uncertainties of a fit, from the singular values of its derivatives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Uncertainty {
-    /// Of each unknown: none on a bound, where the data do not determine it, or for [`Self::none`].
+pub struct FitUncertainty {
+    /// Standard error of each unknown: none on a bound, where the data do not determine it, or for
+    /// [`Self::none`]. none on a bound, where the data do not determine it, or for [`Self::none`].
     pub std_errors: Vec<Option<f64>>,
     /// Covariances of the unknowns; NaN where there are none.
     pub covariance: Matrix,
@@ -32,14 +33,14 @@ pub struct Uncertainty {
     /// Combinations that the data do not determine: for each unknown its part, relative to its
     /// value, of which the largest is 1.
     pub undetermined: Vec<Vec<(String, f64)>>,
-    /// Why there is no standard error at all.
+    /// Reason for which there is no standard error at all.
     pub none: Option<&'static str>,
     /// Distance of the residuals from the linear model within one standard error, relative to
     /// their change; none where only rounding is left.
     pub bend: Option<f64>,
 }
 
-impl Uncertainty {
+impl FitUncertainty {
     /// Whether the model is so curved within a standard error that intervals are doubtful.
     pub fn is_doubtful(&self) -> bool {
         self.bend.is_some_and(|bend| bend > DOUBTFUL)
@@ -57,7 +58,7 @@ impl Uncertainty {
         let count = best.x.len();
         // The starts of parts come last, and are no results.
         let named = problem.unknowns.named();
-        let mut own = Uncertainty {
+        let mut own = FitUncertainty {
             std_errors: vec![None; named],
             covariance: Matrix::repeat(named, named, f64::NAN),
             quantile: quantile(None),

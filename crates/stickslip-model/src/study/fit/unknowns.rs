@@ -1,4 +1,4 @@
-//! What is sought: parameters, start values and times of the start, by record.
+//! Sought numbers: parameters, start values and times of the start, by record.
 
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
@@ -11,7 +11,7 @@ use crate::study::Variables;
 /// Minima closer than this part of the bounds are one.
 const SAME_MINIMUM: f64 = 1e-3;
 
-/// What an unknown is in a record.
+/// Kind of an unknown in a record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Kind {
     Parameter(usize),
@@ -19,7 +19,7 @@ pub(super) enum Kind {
     StartTime,
 }
 
-/// What is sought in one record, and its index among all unknowns.
+/// Numbers that are sought in one record, each with its index among all unknowns.
 pub(super) type Local = Vec<(Kind, usize)>;
 
 /// A number that is sought.

@@ -1,4 +1,4 @@
-//! What an orbit converges to, or how else it ends.
+//! Long-term behaviour of an orbit, or its end.
 
 use std::fmt;
 
@@ -7,14 +7,14 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::orbit::TwoFold;
 
-/// Long-term behaviour of an orbit, or how it ends.
+/// Long-term behaviour of an orbit, or its end.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum AttractorKind {
     /// An equilibrium of slip, or of the sliding field in stick, that attracts all nearby states of
     /// its set.
     Equilibrium,
-    /// One of a continuous set of equilibria, as for a block that friction holds on a floor.
+    /// An equilibrium of a continuous set of them, as for a block that friction holds on a floor.
     EquilibriumSet,
     /// A periodic orbit.
     Periodic {

@@ -62,8 +62,7 @@ pub(super) struct Recurrence {
     forcing: Option<f64>,
     points: VecDeque<SectionPoint>,
     kept: usize,
-    /// For every lag, counted from 1, how many consecutive points are near the point one lag
-    /// before.
+    /// Number of consecutive points near the point one lag before, for every lag, counted from 1.
     runs: Vec<usize>,
     /// Recent size of every component.
     scale: Vector,

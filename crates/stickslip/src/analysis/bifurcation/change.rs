@@ -1,4 +1,4 @@
-//! Where an attractor changes between two values of a parameter.
+//! Location of the change of an attractor between two values of a parameter.
 
 use std::ops::ControlFlow;
 
@@ -132,7 +132,7 @@ fn is_double(double: &Attractor, single: &Attractor) -> bool {
     double.len() == 2 * count && (0..count.max(1)).any(is_alike)
 }
 
-/// About what it takes to follow an attractor to its change, in steps without tangent vectors.
+/// Estimated work to follow an attractor to its change, in steps without tangent vectors.
 fn needed(attractor: &Attractor) -> u64 {
     // Orbits on a branch, with those that Newton's iterations, a zero and its uncertainty take.
     // Chosen: 75 to 150 in a cascade of flips.
@@ -156,8 +156,8 @@ fn is_irregular(attractor: &Attractor) -> bool {
     )
 }
 
-/// Of two names of one place, that by the orbit of the shorter period. The other orbit begins
-/// there, and its multiplier 1 does not distinguish a flip from a fold.
+/// Selects of two names of one place the one by the orbit of the shorter period. The other orbit
+/// begins there, and its multiplier 1 does not distinguish a flip from a fold.
 pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
     let period = |change: &WhatChanges| match change {
         WhatChanges::Multiplier { period, .. } => *period,
@@ -202,7 +202,7 @@ fn equilibrium(
     })
 }
 
-/// Where the phases of the orbit at a value change, or where it ends; and the first multiplier to
+/// Finds the change of the phases of the orbit at a value, or its end; and the first multiplier to
 /// reach the unit circle before.
 fn orbit(
     system: &dyn Dynamics,
@@ -272,15 +272,15 @@ fn states(x: Vector) -> Vector {
 /// The change located from one side.
 #[derive(Default)]
 struct Located {
-    /// By a vanishing event function, or by an equilibrium that loses its stability or reaches the
-    /// edge of its mode's domain.
+    /// Change by a vanishing event function, or by an equilibrium that loses its stability or
+    /// reaches the edge of its mode's domain.
     named: Option<WhatChanges>,
-    /// By a multiplier.
+    /// Change by a multiplier.
     smooth: Option<WhatChanges>,
 }
 
 impl Located {
-    /// From one value towards another.
+    /// Locates the change on the way from one value towards another.
     fn from(
         system: &dyn Dynamics,
         [from, to]: [&SweepPoint; 2],

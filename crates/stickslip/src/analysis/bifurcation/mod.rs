@@ -136,7 +136,7 @@ pub enum WhatChanges {
     Unlocated,
 }
 
-/// Why a change was not followed to its place.
+/// Reason for which a change was not followed to its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum NotFollowed {

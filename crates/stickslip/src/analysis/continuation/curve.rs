@@ -25,11 +25,11 @@ pub struct CurvePoint {
     pub period: f64,
 }
 
-/// Why the continuation of a curve stopped.
+/// Reason for the end of the continuation of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum CurveStop {
-    /// One of the parameters has reached an end of its range.
+    /// A parameter has reached an end of its range.
     Range,
     /// The curve has as many points as requested.
     Points,
@@ -49,7 +49,7 @@ pub struct Curve {
     pub points: Vec<CurvePoint>,
     /// Index of the orbit at which it began.
     pub first: usize,
-    /// Why the curve ends before the first and behind the last orbit.
+    /// Reasons for the ends of the curve before the first and behind the last orbit.
     pub stops: [CurveStop; 2],
 }
 

@@ -1,5 +1,5 @@
-//! Where a branch ends: at an equilibrium or a two-fold to which its orbits shrink, at rest, or
-//! where it began.
+//! Ends of a branch: at an equilibrium or a two-fold to which its orbits shrink, at rest, or where
+//! it began.
 
 use super::steps::Continuation;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
@@ -8,7 +8,7 @@ use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, MarginKind};
 use crate::analysis::lagrange::weights;
 use crate::analysis::passages::passages;
-use crate::dynamics::{DynamicsRef, Modes, Moment, Orbit, Vector, run};
+use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Vector, run};
 
 /// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
 /// one's. Chosen: there the Hopf point or two-fold is close, and a bifurcation of other orbits is
@@ -225,7 +225,7 @@ impl Continuation<'_> {
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let orbit = Orbit::solve(system, &start, stuck.t + last.period, options);
+        let orbit = RecordedOrbit::solve(system, &start, stuck.t + last.period, options);
         orbit.is_ok_and(|(orbit, failed)| {
             let is_stuck = orbit.phases.iter().all(|one| one.mode.any_sticks());
             failed.is_none() && orbit.transitions.is_empty() && is_stuck

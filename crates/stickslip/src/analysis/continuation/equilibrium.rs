@@ -100,8 +100,8 @@ pub struct EquilibriumBranch {
     pub points: Vec<EquilibriumPoint>,
     /// The special ones between them, in the same order.
     pub special: Vec<SpecialEquilibrium>,
-    /// Why the branch stops: at an end of the range, after the requested number of points, on a
-    /// boundary with no equilibrium behind it, or where no equilibrium could be computed.
+    /// Reason for the end of the branch: an end of the range, the requested number of points, a
+    /// boundary with no equilibrium behind it, or an equilibrium that could not be computed.
     pub stop: Stop,
 }
 
@@ -188,7 +188,7 @@ pub fn continue_equilibrium<Kind>(
     Ok(continuation.follow(first, &(by_parameter * sign)))
 }
 
-/// The other modes of a contact.
+/// Modes with another mode of a contact.
 fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
     let all = [
         Mode::Stick,

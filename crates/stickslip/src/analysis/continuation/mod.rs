@@ -164,7 +164,7 @@ pub struct SpecialPoint {
     pub period: f64,
 }
 
-/// Why the continuation of a branch stopped.
+/// Reason for the end of the continuation of a branch.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Stop {
@@ -248,7 +248,7 @@ pub struct Branch {
     pub points: Vec<BranchPoint>,
     /// The special orbits between them, in the same order.
     pub special: Vec<SpecialPoint>,
-    /// Why the branch stops.
+    /// Reason for the end of the branch.
     pub stop: Stop,
 }
 

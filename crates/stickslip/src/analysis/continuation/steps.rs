@@ -324,7 +324,8 @@ impl<'a> Continuation<'a> {
         end.or(Some(Stop::NoConvergence))
     }
 
-    /// Why the system cannot be integrated over a period from a moment of the last orbit, if so.
+    /// Reason for which the system cannot be integrated over a period from a moment of the last
+    /// orbit, if so.
     pub(super) fn refused(&self, start: &Moment) -> Option<Stop> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         // The run takes about as many steps as the orbit did.

@@ -94,7 +94,7 @@ impl TangentLine {
         })
     }
 
-    /// Along a direction from an orbit.
+    /// The line along a direction from an orbit.
     pub fn along(
         shooting: &Shooting<'_>,
         units: Units,

@@ -100,8 +100,8 @@ impl Continuation<'_> {
         None
     }
 
-    /// Where both halves become the same orbit, between the last orbit and another one on a line:
-    /// their difference passes through zero.
+    /// Zero at which both halves become the same orbit, between the last orbit and another one on a
+    /// line: their difference passes through zero.
     fn flip_of_half(&self, line: &TangentLine, next: &Cycle) -> Option<Zero> {
         // Largest difference at the nearest orbit that can be computed, as a fraction of the
         // difference at the ends. Chosen: Newton's matrix is singular at the flip.
@@ -257,8 +257,7 @@ struct Node {
     cycle: Cycle,
 }
 
-/// Where the polynomial through a function's nodes vanishes between two of them, and the parameter
-/// there.
+/// Zero of the polynomial through a function's nodes between two of them, and the parameter there.
 fn zero_of_polynomial(nodes: &[&Node]) -> Option<(f64, f64)> {
     let places: Vec<f64> = nodes.iter().map(|node| node.s).collect();
     let at = |s: f64, of: fn(&Node) -> f64| -> f64 {

@@ -26,7 +26,7 @@ struct Assembly<'a> {
     growth: f64,
     /// The unknowns that the first equations set equal if no state changes over any piece.
     unchanged: Vec<[usize; 2]>,
-    /// Where the state with which the present piece begins stands among the unknowns.
+    /// Index among the unknowns of the state with which the present piece begins.
     base: usize,
 }
 

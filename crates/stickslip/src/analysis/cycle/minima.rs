@@ -226,8 +226,8 @@ fn minima(
     margins
 }
 
-/// Where a function with this time derivative rises through zero between two fractions of a step:
-/// Newton's iteration, safeguarded by bisection.
+/// Fraction of the step at which a function with this time derivative rises through zero between
+/// two others: Newton's iteration, safeguarded by bisection.
 fn rising_zero((mut a, mut b): (f64, f64), length: f64, jet: impl Fn(f64) -> [f64; 2]) -> f64 {
     let mut s = 0.5 * (a + b);
     for _ in 0..60 {

@@ -1,7 +1,7 @@
 //! A periodic orbit to be computed: its segments, and the moment at which the first one begins.
 
 use super::{ULPS, unit};
-use crate::dynamics::{Dynamics, Modes, Moment, Orbit, Transition, Vector};
+use crate::dynamics::{Dynamics, Modes, Moment, RecordedOrbit, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
@@ -78,7 +78,7 @@ pub(crate) struct Segment {
     pub kind: SegmentKind,
 }
 
-/// What a segment covers.
+/// Part of an orbit that a segment covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) enum SegmentKind {
@@ -172,7 +172,8 @@ impl Outline {
         // Length of the run in periods: at most one until the first transition, and at most one and
         // a half until it recurs.
         const SPAN: f64 = 2.5;
-        let (orbit, failed) = Orbit::solve(system, start, start.t + SPAN * period, options)?;
+        let (orbit, failed) =
+            RecordedOrbit::solve(system, start, start.t + SPAN * period, options)?;
         if orbit.end.t < start.t + period {
             return Err(failed.unwrap_or_else(|| orbit.end.no_future_error()));
         }

@@ -36,7 +36,7 @@ impl Piece {
 /// The derivative of the flow over a part of the orbit, split into the component along the flow and
 /// the rest: near a saddle, one is small beside the other.
 pub(super) struct FlowDerivative {
-    /// Without the component along the flow.
+    /// Derivative without the component along the flow.
     pub across: Matrix,
     /// Coefficients of the velocity in that component.
     pub along: Vector,

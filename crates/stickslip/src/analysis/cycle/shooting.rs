@@ -27,7 +27,7 @@ const FARTHEST: f64 = 100.0;
 const SAME_VELOCITY: f64 = 1e-4;
 
 impl<'a> Shooting<'a> {
-    /// For orbits of a system near an outline, in which all components are states.
+    /// Shooting for orbits of a system near an outline, in which all components are states.
     pub fn of(
         system: &'a dyn Dynamics,
         outline: &Outline,

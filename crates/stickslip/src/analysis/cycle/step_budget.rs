@@ -17,7 +17,7 @@ impl StepBudget {
         }
     }
 
-    /// What a step counts that carries tangent vectors of so many states and of a parameter.
+    /// Count for a step that carries tangent vectors of so many states and of a parameter.
     pub(crate) fn with_tangents(states: usize) -> u64 {
         states as u64 + 2
     }

@@ -1,8 +1,8 @@
 //! Least squares under equality constraints, by elimination.
 
 use super::{
-    LEAST_RATIO, LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Model, Point, Residuals,
-    Search,
+    Iterate, LEAST_RATIO, LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Minimisation, Model,
+    Residuals,
 };
 use crate::dynamics::{Matrix, Vector};
 use nalgebra::QR;
@@ -32,13 +32,13 @@ pub fn constrained_least_squares<P: PartialEq, E>(
     settings: &LeastSquaresSettings,
     mut at: impl FnMut(&Vector) -> Result<Residuals<P>, E>,
 ) -> Result<LeastSquares<P>, E> {
-    let mut search = Search {
+    let mut search = Minimisation {
         evaluations: 1,
         failures: 0,
         settings,
         at: |x: &Vector| at(x),
     };
-    let here = Point::of(x.clone(), (search.at)(x)?, settings.loss);
+    let here = Iterate::of(x.clone(), (search.at)(x)?, settings.loss);
     Ok(search.constrained(here))
 }
 
@@ -63,7 +63,7 @@ fn full_basis(matrix: &Matrix) -> Matrix {
     QR::new(padded).q()
 }
 
-impl<P> Point<P> {
+impl<P> Iterate<P> {
     /// The cost without the constraints.
     fn cost_of_data(&self) -> f64 {
         let gap = self.gap();
@@ -98,7 +98,7 @@ struct Eliminated {
 }
 
 impl Eliminated {
-    fn of<P>(here: &Point<P>, scale: &Vector, free: Vec<usize>) -> Self {
+    fn of<P>(here: &Iterate<P>, scale: &Vector, free: Vec<usize>) -> Self {
         let rows = here.data_rows();
         let mut scaled = Matrix::zeros(here.values.len(), free.len());
         for (column, &k) in free.iter().enumerate() {
@@ -142,8 +142,8 @@ impl Eliminated {
     }
 }
 
-impl<F> Search<'_, F> {
-    fn constrained<P: PartialEq, E>(&mut self, mut here: Point<P>) -> LeastSquares<P>
+impl<F> Minimisation<'_, F> {
+    fn constrained<P: PartialEq, E>(&mut self, mut here: Iterate<P>) -> LeastSquares<P>
     where
         F: FnMut(&Vector) -> Result<Residuals<P>, E>,
     {
@@ -210,7 +210,7 @@ impl<F> Search<'_, F> {
                     radius = 0.25 * length;
                     continue;
                 };
-                let merit = |of: &Point<P>| of.cost_of_data() + penalty * of.gap();
+                let merit = |of: &Iterate<P>| of.cost_of_data() + penalty * of.gap();
                 let (before, mut after) = (merit(&here), merit(&there));
                 // The curvature of the constraints is made up for.
                 if (before - after) < LEAST_RATIO * predicted
@@ -262,7 +262,7 @@ impl<F> Search<'_, F> {
         }
     }
 
-    fn eliminated<P>(&self, here: &Point<P>, scale: &Vector, fixed: &[usize]) -> Eliminated {
+    fn eliminated<P>(&self, here: &Iterate<P>, scale: &Vector, fixed: &[usize]) -> Eliminated {
         let free = (0..here.x.len()).filter(|k| !fixed.contains(k));
         Eliminated::of(here, scale, free.collect())
     }
@@ -270,7 +270,7 @@ impl<F> Search<'_, F> {
     /// A point moved by a step of the scaled variables.
     fn moved<P>(
         &self,
-        from: &Point<P>,
+        from: &Iterate<P>,
         model: &Eliminated,
         step: &Vector,
         scale: &Vector,
@@ -285,7 +285,7 @@ impl<F> Search<'_, F> {
     /// Free variables on a bound that a step leads out of.
     fn stuck<P>(
         &self,
-        here: &Point<P>,
+        here: &Iterate<P>,
         model: &Eliminated,
         to: &Vector,
     ) -> impl Iterator<Item = usize> {

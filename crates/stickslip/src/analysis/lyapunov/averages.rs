@@ -4,8 +4,7 @@ use super::settings::SpectrumOptions;
 use super::spectrum::{Exponent, Running};
 
 /// Growth of tangent vectors since measuring began: sums of logarithms, one for each vector. They
-/// yield the exponents, their blocks and their running means. Use it for growth that
-/// [`crate::analysis::lyapunov_spectrum`] does not measure.
+/// yield the exponents, their blocks and their running means.
 #[derive(Clone, Debug)]
 pub struct Growth {
     /// Time measuring began.
@@ -19,7 +18,7 @@ pub struct Growth {
     /// Start of the block under way: time since measuring began, and sums there.
     block_start: (f64, Vec<f64>),
     next_block: usize,
-    /// For each vector its rates in the completed blocks.
+    /// Rates of each vector in the completed blocks.
     rates: Vec<Vec<f64>>,
     running: Vec<Running>,
 }
@@ -42,8 +41,8 @@ impl Growth {
         }
     }
 
-    /// At the end of every step. A contribution of a transition at the same time belongs to the
-    /// next block.
+    /// Ends a block or sample that is complete; called at the end of every step. A contribution of
+    /// a transition at the same time belongs to the next block.
     pub fn tick(&mut self, t: f64) {
         let elapsed = t - self.begin;
         if elapsed >= self.next_block as f64 * self.block_length {
@@ -214,5 +213,31 @@ mod tests {
         assert!(mean < 4.0 * std_error(&rates), "{mean}");
         assert_eq!(std_error(&[1.0]), f64::INFINITY);
         assert_eq!(std_error(&[1.0, 3.0]), 1.0);
+    }
+
+    /// Two vectors that grow at the rates 0.25 and 0.5, from time 2 on.
+    #[test]
+    fn a_growth_has_one_running_mean_to_a_time_and_the_last_at_its_end() {
+        // To the end of a sample, and slightly beyond.
+        for (steps, samples) in [(80, 5), (81, 6)] {
+            let settings = SpectrumOptions::over(0.0, 10.0).blocks(4).samples(5);
+            let mut growth = Growth::new(2, 2.0, &settings);
+            let elapsed = f64::from(steps) / 8.0;
+            for step in 1..=steps {
+                growth.logs[0] += 0.25 / 8.0;
+                growth.logs[1] += 0.5 / 8.0;
+                growth.tick(2.0 + f64::from(step) / 8.0);
+            }
+            let (measured, exponents, running) = growth.finish(2.0 + elapsed);
+            assert_eq!(measured, elapsed);
+            assert_eq!(running.len(), samples, "{running:?}");
+            assert!(running.is_sorted_by(|one, next| one.elapsed < next.elapsed));
+            assert_eq!(running.last().map(|last| last.elapsed), Some(elapsed));
+            assert!(running.iter().all(|entry| entry.exponents == [0.5, 0.25]));
+            for (exponent, value) in exponents.iter().zip([0.5, 0.25]) {
+                let std_error = 0.0;
+                assert_eq!(*exponent, Exponent::Finite { value, std_error });
+            }
+        }
     }
 }

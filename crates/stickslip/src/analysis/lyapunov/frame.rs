@@ -89,8 +89,8 @@ impl Frame {
         self.gram_schmidt(self.len(), 0.0)
     }
 
-    /// The same for vectors with a relative error; `None` also if less remains of one of them than
-    /// the root of that. The frame is then of no use.
+    /// Gram–Schmidt for vectors with a relative error; `None` also if less remains of one of them
+    /// than the root of that. The frame is then of no use.
     pub(super) fn orthonormalise_resolved(&mut self, error: f64) -> Option<Vec<f64>> {
         self.gram_schmidt(self.len(), error.max(f64::EPSILON).sqrt())
     }
@@ -102,8 +102,8 @@ impl Frame {
         Some(lengths)
     }
 
-    /// Of the first `count` vectors in order, each of which must keep more than the fraction
-    /// `least` of its length.
+    /// Gram–Schmidt on the first `count` vectors in order, each of which must keep more than the
+    /// fraction `least` of its length.
     fn gram_schmidt(&mut self, count: usize, least: f64) -> Option<Vec<f64>> {
         let mut lengths = vec![0.0; self.len()];
         let order = self.order();

@@ -1,6 +1,6 @@
 //! A frame of tangent vectors along an orbit, and the sums of their growth.
 
-use super::super::tangent::{Jump, Tangent, flatten, singular};
+use super::super::tangent::{Saltation, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
 use super::settings::SpectrumOptions;
@@ -220,7 +220,7 @@ impl<'a> Measurement<'a> {
         system.begin(at, t_end, solver, &[])
     }
 
-    fn enter_stick(&mut self, jump: &Jump) -> Option<()> {
+    fn enter_stick(&mut self, jump: &Saltation) -> Option<()> {
         let size = jump.kick.norm();
         if !(size > 0.0 && size.is_finite()) {
             return None;
@@ -231,7 +231,7 @@ impl<'a> Measurement<'a> {
 }
 
 /// Whether a map of the state annihilates a direction, to rounding.
-fn is_singular(jump: &Jump) -> bool {
+fn is_singular(jump: &Saltation) -> bool {
     let size = jump.matrix.amax();
     let products = (0..jump.matrix.nrows()).fold(1.0, |all, _| all * size);
     jump.determinant.abs() <= MATRIX_ROUNDING * products
@@ -240,7 +240,7 @@ fn is_singular(jump: &Jump) -> bool {
 impl Measurement<'_> {
     /// Carries the frame through a map of the state that annihilates directions, such as one that
     /// sets components to constants.
-    fn annihilate(&mut self, jump: &Jump) -> Option<()> {
+    fn annihilate(&mut self, jump: &Saltation) -> Option<()> {
         let svd = jump.matrix.clone().svd(false, true);
         let (values, rows) = (&svd.singular_values, svd.v_t?);
         // A map to a state that does not move has no other values than zero.

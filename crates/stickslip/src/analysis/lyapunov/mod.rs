@@ -42,7 +42,6 @@ mod settings;
 mod spectrum;
 mod volume;
 
-pub use averages::Growth;
 pub use settings::SpectrumOptions;
 pub use spectrum::{Exponent, Running, Spectrum};
 

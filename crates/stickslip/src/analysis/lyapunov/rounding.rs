@@ -1,4 +1,4 @@
-//! What rounding does to a frame.
+//! Effect of rounding on a frame.
 
 use super::frame::take_out;
 use crate::dynamics::Vector;

@@ -80,8 +80,8 @@ pub struct Spectrum {
     ///   which leaves `(m − 1) ln(t)/t`. Time is counted in transients, and in steps of the solver
     ///   without one; it is 30 at least.
     pub uncertainties: Vec<f64>,
-    /// Why the measurement ended before its duration; `None` if it did not. The results are those
-    /// of [`Spectrum::duration`].
+    /// Error that ended the measurement before its duration; `None` if none did. The results are
+    /// those of [`Spectrum::duration`].
     pub ended: Option<Error>,
     /// The running exponents, equally spaced in time as far as steps allow; the last entry is the
     /// result.
@@ -103,8 +103,8 @@ pub struct Spectrum {
     pub stick_fraction: f64,
     /// Time measured.
     pub duration: f64,
-    /// How and where the measured run ended, and its work. Where the absolute tolerance followed a
-    /// decay to an equilibrium on a boundary, that is the work since it last did.
+    /// End of the measured run, and its work. Where the absolute tolerance followed a decay to an
+    /// equilibrium on a boundary, that is the work since it last did.
     pub summary: Summary,
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Decision<'a, S, const N: usize, const M: usize> {
     pub(super) released: Option<usize>,
 }
 
-/// How a contact starts to move from zero.
+/// First motion of a contact from zero.
 enum FirstMotion {
     /// Number of derivatives of its guard that vanish.
     Order(usize),
@@ -191,7 +191,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         })
     }
 
-    /// How a contact starts to move, if the range of one number has one sign and decides it.
+    /// First motion of a contact, if the range of one number has one sign and decides it.
     fn clear_motion(&self, range: &[Interval; 4], i: usize) -> Option<FirstMotion> {
         match self.modes[i] {
             Mode::Stick => (sign_of_range(range[0]) > 0.0).then_some(FirstMotion::Order(0)),
@@ -234,7 +234,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// How a contact starts to move in the decided mode, by the first derivative of its guard that
+    /// First motion of a contact in the decided mode, by the first derivative of its guard that
     /// does not vanish. If all vanish, it holds. An equilibrium on one side, which one contact may
     /// have, is not considered.
     fn first_motion(
@@ -260,7 +260,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         }
     }
 
-    /// How a contact on `side` starts to move by the first derivative of its guard that does not
+    /// First motion of a contact on `side` by the first derivative of its guard that does not
     /// vanish, and its sign.
     fn slip_begins(&self, side: Side, (order, sign): (usize, f64), i: usize) -> FirstMotion {
         match (sign, self.can_hold(i)) {

@@ -39,7 +39,7 @@ pub(super) struct Joint<'a, S, const M: usize> {
 }
 
 /// The combination of fields that keeps the holding contacts on their boundaries.
-pub(super) struct Combination<T, const N: usize, const M: usize> {
+pub(super) struct FieldCombination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
     /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
@@ -47,7 +47,7 @@ pub(super) struct Combination<T, const N: usize, const M: usize> {
     strength: T,
 }
 
-impl<T: Scalar, const N: usize, const M: usize> Combination<T, N, M> {
+impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
     /// The guard of a holding contact, by its index among them.
     #[inline(always)]
     fn stick_guard(&self, index: usize) -> T {
@@ -197,7 +197,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         &self,
         t: T,
         x: &[T; N],
-    ) -> Combination<T, N, M>
+    ) -> FieldCombination<T, N, M>
     where
         S: Contacts<N, M>,
     {
@@ -216,7 +216,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
             for _ in 0..NEWTON_STEPS {
                 self.newton(t, x, &mut shares);
             }
-            return Combination {
+            return FieldCombination {
                 field: self.multi_affine(t, x, &shares).0,
                 shares,
                 strength: T::one(),
@@ -236,7 +236,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         affine: Affine<T, N, M>,
         shares: [T; M],
         strength: T,
-    ) -> Combination<T, N, M> {
+    ) -> FieldCombination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
         for (share, change) in each {
@@ -244,7 +244,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
                 *rate = *rate + *share * *change;
             }
         }
-        Combination {
+        FieldCombination {
             field,
             shares,
             strength,
@@ -257,7 +257,10 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     /// contact's strength. So no contact alone reaches its limit while others that act on the same
     /// rate do not.
     #[inline(never)]
-    fn shared<T: Scalar, const N: usize>(&self, affine: Affine<T, N, M>) -> Combination<T, N, M> {
+    fn shared<T: Scalar, const N: usize>(
+        &self,
+        affine: Affine<T, N, M>,
+    ) -> FieldCombination<T, N, M> {
         let held = self.held();
         // Strength of each contact, by which its column is divided.
         let mut weights = [T::zero(); M];
@@ -425,7 +428,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
         }
     }
 
-    /// What a contact at its limit has none of: `w (1 − w)` of a holding contact, at most 1/4.
+    /// Reserve of a holding contact, `w (1 − w)`: at most 1/4, and 0 at its limit.
     pub(super) fn reserve<const N: usize>(&self, contact: usize, t: f64, x: &State<N>) -> f64
     where
         S: Contacts<N, M>,

@@ -5,8 +5,8 @@ use crate::filippov::flow::Flow;
 use crate::filippov::guard::Probe;
 use crate::ode::{Rk4, Timed};
 
-/// Over a rest below this part of the step, a Hénon step of order 4 suffices. Its error is the
-/// fifth power of the rest, negligible beside the tolerance of a step of order 8.
+/// Largest rest, as a part of the step, over which a Hénon step of order 4 suffices. Its error is
+/// the fifth power of the rest, negligible beside the tolerance of a step of order 8.
 const ORDER_FOUR_PART: f64 = 1e-3;
 
 impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
@@ -96,7 +96,7 @@ mod tests {
     use crate::system::State;
     use numerics::SplitMix;
 
-    /// Where a shaken pendulum is when its speed has changed by what it changes by in the part
+    /// State of a shaken pendulum when its speed has changed by what it changes by in the part
     /// `rest` of a step.
     fn by_henon<M: RungeKutta>(from: &Timed<2>, push: f64, rest: f64) -> State<2> {
         let field =

@@ -15,7 +15,7 @@ pub use common::{Plane, Strobe};
 pub use search::EventSearch;
 pub(crate) use search::{SearchMemory, TOLERATED};
 pub use solve::{OrbitWithEvents, solve_with_events};
-pub use watched::{Watched, WatchedProgress};
+use watched::{Watched, WatchedProgress};
 
 /// Direction in which a function passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

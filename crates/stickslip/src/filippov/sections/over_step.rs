@@ -71,7 +71,7 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     /// Recent size of the state's components. A component that passes through zero is not more
     /// accurate there.
     pub size: &'a State<N>,
-    /// What counts as zero: 0, or what is left of a zero at which the function stood.
+    /// Value that counts as zero: 0, or the remainder of a zero at which the function stood.
     pub zero: f64,
 }
 

@@ -23,17 +23,17 @@ pub(crate) enum Standing {
     /// No longer.
     #[default]
     Left,
-    /// At its value where the next step begins; location leaves this much at most.
+    /// Stands at its value where the next step begins; location leaves this much at most.
     AtStart(f64),
-    /// At this value.
+    /// Stands at this value.
     At(f64),
     /// Has left this value.
     Leaving(f64),
 }
 
 /// Searches for zeros of the user's functions in the steps of a run that something else drives. An
-/// [`crate::Observer`] owns one and gives it every step. To drive the run yourself, use
-/// [`crate::Watched`].
+/// [`crate::Observer`] owns one and gives it every step. A loop over [`crate::Integration::step`]
+/// gives it [`crate::Integration::last_step`].
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
@@ -67,7 +67,7 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     system: &'a S,
     events: V,
     method: Method,
-    /// What is known of each function at the end of the last step, and at its start.
+    /// Knowledge of each function at the end of the last step, and at its start.
     known: Vec<Known>,
     known_before: Vec<Known>,
     /// Recent size of the state's components, and that at the start of the last step.
@@ -290,7 +290,7 @@ where
         clear_sign(value, slopes.abs().dot(&size) + in_time.abs() * at.t.abs())
     }
 
-    /// How far from zero errors within the tolerance may move a function.
+    /// Largest distance from zero to which errors within the tolerance may move a function.
     pub(crate) fn tolerated(&self, number: usize, at: &Timed<N>, options: &Options) -> f64 {
         let (slopes, _) = self.slopes(number, at);
         let size = self.size.sup(&at.x.abs());
@@ -385,7 +385,7 @@ where
         };
     }
 
-    /// What location leaves of the zero at which a function stands.
+    /// Remainder of the zero at which a function stands, as location leaves it.
     pub(crate) fn left_of_zero(&self, number: usize) -> f64 {
         match self.known[number].standing {
             Standing::AtStart(left) | Standing::At(left) => left.abs(),

@@ -18,7 +18,7 @@ pub struct OrbitWithEvents<const N: usize, K = Mode> {
 }
 
 /// [`crate::solve`], with the zeros of the user's own functions: see [`EventFunctions`], and
-/// [`Watched`] for a loop that keeps nothing.
+/// [`crate::EventSearch`] for a run that keeps nothing.
 ///
 /// # Errors
 /// As [`crate::solve`]; [`Failure::partial`] is the orbit up to the failure with its events.

@@ -4,14 +4,13 @@ use super::{EventFunctions, EventRecord, EventSearch};
 use crate::error::Error;
 use crate::filippov::flow::GUARDS;
 use crate::filippov::integration::{Integration, Progress};
-use crate::filippov::observer::StepRecord;
 use crate::filippov::switched::Switched;
 use crate::ode::Timed;
 use crate::system::Mode;
 
 /// Progress of a watched integration; see [`Watched::step`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum WatchedProgress<const N: usize, K = Mode> {
+pub(super) enum WatchedProgress<const N: usize, K = Mode> {
     /// Progress of the integration itself.
     Progress(Progress<N, K>),
     /// An event of the user's own in the last step.
@@ -24,31 +23,7 @@ pub enum WatchedProgress<const N: usize, K = Mode> {
 /// zeros within a step are found however close they lie, down to the accuracy of the dense output.
 /// Each is then located on the step itself, to rounding. The motion is bit-for-bit the same as
 /// without. The [`crate::Counters`] do not contain this work.
-///
-/// ```
-#[doc = include_str!("../../../examples/common/belt.rs")]
-/// use stickslip::{Direction, WatchedProgress, Integration, Options, Plane, Progress, Watched};
-///
-/// let belt = Belt { speed: 1.0 };
-/// let integration = Integration::new(&belt, 0.0, [0.5, 1.5], 20.0, &Options::default())?;
-/// let section = Plane {
-///     point: [0.0, 0.0].into(),
-///     normal: [1.0, 0.0].into(),
-///     direction: Direction::Rising,
-/// };
-/// let mut watched = Watched::new(integration, &section);
-/// let mut times = Vec::new();
-/// loop {
-///     match watched.step()? {
-///         WatchedProgress::Event(event) => times.push(event.t),
-///         WatchedProgress::Progress(Progress::End(_)) => break,
-///         WatchedProgress::Progress(_) => {}
-///     }
-/// }
-/// assert_eq!(times.len(), 2);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-pub struct Watched<'a, S: Switched<N, G>, V, const N: usize, const G: usize = GUARDS> {
+pub(super) struct Watched<'a, S: Switched<N, G>, V, const N: usize, const G: usize = GUARDS> {
     integration: Integration<'a, S, N, G>,
     search: EventSearch<'a, S, &'a V, N, G>,
     events: &'a V,
@@ -106,15 +81,6 @@ where
     }
 
     /// The integration itself.
-    pub fn integration(&self) -> &Integration<'a, S, N, G> {
-        &self.integration
-    }
-
-    /// The last step, which ends at a terminal event, if it has one.
-    pub fn last_step(&mut self) -> StepRecord<N, S::Mode> {
-        self.integration.last_step()
-    }
-
     pub(super) fn integration_mut(&mut self) -> &mut Integration<'a, S, N, G> {
         &mut self.integration
     }

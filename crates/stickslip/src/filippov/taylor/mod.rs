@@ -9,7 +9,7 @@ mod step_size;
 pub(super) use end::Ends;
 use end::{End, sums};
 use kink::{BranchTie, Reversals, guard_jump};
-use step_series::{Polynomial, StepSeries, origin, powers};
+use step_series::{StepPolynomial, StepSeries, origin, powers};
 pub(super) use step_size::{MAX_GROWTH, step_ratio};
 
 use super::flow::{Flow, OfFlow};
@@ -47,8 +47,8 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     step_series: StepSeries<N>,
     /// Series over the step: of the guards that are not constant, and of the differences in the
     /// comparisons that the step depends on.
-    guards: [Polynomial; G],
-    choices: Vec<Polynomial>,
+    guards: [StepPolynomial; G],
+    choices: Vec<StepPolynomial>,
     /// End of the step. If no guard and no comparison can vanish in the step, it is clear, and no
     /// coefficients are copied.
     end_of_step: End<N, G>,
@@ -238,7 +238,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             .0;
         let (rise, slope) = sums(pairs.iter().copied());
         (self.end_of_step.rise, self.end_of_step.slope) = (rise, slope);
-        let polynomial = |row: &CoefficientRow<L>, c: &mut Polynomial| {
+        let polynomial = |row: &CoefficientRow<L>, c: &mut StepPolynomial| {
             for (k, c) in c.iter_mut().enumerate() {
                 *c = of_row(row, k);
             }
@@ -286,8 +286,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
     }
 
-    /// What the next step depends on besides the state of the run: its scale, the rounding
-    /// remainder and the length of a tied step.
+    /// Memory of the next step besides the state of the run: its scale, the rounding remainder and
+    /// the length of a tied step.
     pub(super) fn memory(&self) -> (f64, &Timed<N>, f64) {
         (self.scale, &self.remainder, self.tie_step)
     }

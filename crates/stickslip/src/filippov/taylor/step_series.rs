@@ -22,7 +22,7 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
 }
 
 /// Coefficients of the powers of `s`, the fraction of the step.
-pub(super) type Polynomial = [f64; MAX_COEFFICIENTS];
+pub(super) type StepPolynomial = [f64; MAX_COEFFICIENTS];
 
 /// Room for as many powers as a series has coefficients, rounded up to a multiple of four.
 pub(super) const POWERS: usize = MAX_COEFFICIENTS.next_multiple_of(4);
@@ -64,7 +64,8 @@ impl<const N: usize> StepSeries<N> {
         self.moved(s, &rise)
     }
 
-    /// The same from `rise`: the sum of the series without its first coefficient, divided by `s`.
+    /// Time and state at `s`, and their rounding remainders, from `rise`: the sum of the series
+    /// without its first coefficient, divided by `s`.
     #[inline(always)]
     pub(super) fn moved(&self, s: f64, rise: &State<N>) -> (Timed<N>, Timed<N>) {
         let (mut at, mut remainder) = (origin(), origin());

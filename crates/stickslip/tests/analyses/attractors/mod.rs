@@ -8,8 +8,7 @@ use stickslip::analysis::{
     Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, basin, periodic_orbit,
     periodic_orbit_forced,
 };
-use stickslip::system::IntoState;
-use stickslip::{Error, Method, Mode, Options, Side, State, math, solve};
+use stickslip::{Error, IntoState, Method, Mode, Options, Side, State, math, solve};
 
 use crate::compiled::Compiled;
 use crate::constant_fields::ConstantFields;

@@ -143,7 +143,7 @@ pub enum Mechanism {
     Spring,
     /// `x'' = -4 sgn(x + x')`: from stick at `x + x' = 0`, where `x' = -x`.
     Relay,
-    /// The same at `sin x + x' = 0`.
+    /// The relay at `sin x + x' = 0`.
     CurvedRelay,
 }
 

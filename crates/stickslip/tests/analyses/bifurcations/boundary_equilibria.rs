@@ -152,8 +152,8 @@ fn on_the_boundary_the_equilibrium_is_rested_in_and_nothing_sticks() {
     }
 }
 
-/// Below, orbits leave a tangent point along y = x⁴, where three derivatives vanish. Above, they
-/// return to it.
+/// A tangency on both sides: below, orbits leave a tangent point along y = x⁴, where three
+/// derivatives vanish. Above, they return to it.
 struct Flat;
 
 impl Filippov<2> for Flat {
@@ -226,8 +226,9 @@ fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
     }
 }
 
-/// Below `y = 0` the field `(-1, 1/10 - x)`, above it `(1, p - sin x - x²)`. Orbits cross and turn
-/// about the points where these are tangent, which coincide at p = sin(1/10) + 1/100.
+/// Two tangencies that coincide: below `y = 0` the field `(-1, 1/10 - x)`, above it `(1, p - sin x
+/// - x²)`. Orbits cross and turn about the points where these are tangent, which coincide at p =
+/// sin(1/10) + 1/100.
 struct Turns;
 
 traced!(3: Turns);

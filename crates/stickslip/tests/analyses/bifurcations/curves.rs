@@ -487,8 +487,8 @@ impl Filippov<4> for Doubled {
     }
 }
 
-/// The same orbit. Deviations from it rotate at the rate 0.3 and grow at `p + q²` minus their
-/// square. A torus branches off where `p = -q²`, at an angle of 0.6 π.
+/// The orbit of [`Doubled`] with a torus. Deviations from it rotate at the rate 0.3 and grow at `p
+/// + q²` minus their square. A torus branches off where `p = -q²`, at an angle of 0.6 π.
 struct Turned;
 
 impl Filippov<4> for Turned {

@@ -47,7 +47,7 @@ pub(super) fn swept<S: dynamics::AsDynamics<One>, One, Any>(
     swept_and_located(systems, values, start, settings, [options; 2])
 }
 
-/// The same, with options of its own for the location.
+/// Sweeps as [`swept`], with options of its own for the location.
 fn swept_and_located<S: dynamics::AsDynamics<One>, One, Any>(
     (family, system): (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
     values: impl IntoIterator<Item = f64>,
@@ -98,7 +98,7 @@ fn both_ways(
     both.collect()
 }
 
-/// The same, one after the other, each with its tolerance.
+/// Changes of [`both_ways`], one after the other, each with its tolerance.
 fn each_way(
     rhythm: Rhythm,
     ends: (f64, f64),

@@ -7,9 +7,9 @@ use crate::smooth::Field;
 /// Motion of a [`Beat`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rhythm {
-    /// Below, `y = sin t` attracts; above, the field points down. The boundary is `y = p`.
+    /// Attraction by `y = sin t` below; above, the field points down. The boundary is `y = p`.
     Touch,
-    /// The same below a distant boundary. Contact is lost where `cos t > p`.
+    /// The field of `Touch` below a distant boundary. Contact is lost where `cos t > p`.
     Lift,
     /// Up at `9/5 + 2 sin t` from below, down at `1 - p cos t` from above.
     Part,
@@ -97,7 +97,7 @@ impl Contacts<2, 2> for Duet {
     }
 }
 
-/// The same with the parameter of one of them as the third state.
+/// The duet with the parameter of one beat as the third state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DuetFamily {
     pub rhythms: [Rhythm; 2],
@@ -225,8 +225,8 @@ impl Filippov<4> for Pitchfork {
     }
 }
 
-/// The same with `a' = p (1 - p) a - a³`: the circle meets those at a = ±√(p (1 - p)) at p = 0 and
-/// at p = 1.
+/// The pitchfork with `a' = p (1 - p) a - a³`: the circle meets those at a = ±√(p (1 - p)) at p = 0
+/// and at p = 1.
 pub struct TwoPitchforks;
 
 impl Filippov<4> for TwoPitchforks {
@@ -265,7 +265,7 @@ impl Filippov<3> for FasterBelt {
     }
 }
 
-/// How an orbit of [`Ends`] ends.
+/// End of an orbit of [`Ends`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
     TwoFold,
@@ -352,7 +352,7 @@ impl Filippov<4> for Area {
     }
 }
 
-/// The same without the area.
+/// The block of [`Area`] without the area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belt;
 
@@ -468,7 +468,7 @@ impl Filippov<2> for Shaken {
 pub struct Pulse;
 
 impl Pulse {
-    /// Of `cos 2t`, times `1 + (1/5)/(3/10 + 2i)`.
+    /// Amplitude of `cos 2t`, times `1 + (1/5)/(3/10 + 2i)`.
     pub fn amplitude() -> f64 {
         (4.25_f64 / 4.09).sqrt()
     }
@@ -596,7 +596,7 @@ impl Filippov<4> for Lags {
     }
 }
 
-/// Below `x = 0` a focus at `x = -1` that rotates at the rate 1 and grows at the rate of the third
+/// A focus at `x = -1` below `x = 0` that rotates at the rate 1 and grows at the rate of the third
 /// state; above it the field (-1, -1/5). Orbits slide on the boundary to where the focus' field is
 /// tangent, unless they start beyond the equilibrium of the sliding field.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -619,7 +619,7 @@ impl Filippov<3> for Focus {
     }
 }
 
-/// Below `x = 0` an attracting focus at `x = p`; above it the field (-1, 1). The third state is
+/// An attracting focus at `x = p` below `x = 0`; above it the field (-1, 1). The third state is
 /// `p`. Beyond zero the sliding field has an attracting equilibrium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Persists;

@@ -1,9 +1,9 @@
 //! Properties of every orbit of any system.
 
-use stickslip::boundary_gradient;
-use stickslip::system::components;
+use stickslip::scalar::Dual;
 use stickslip::{
     Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,
+    components,
 };
 
 /// Tolerance of the comparisons with closed forms.
@@ -32,6 +32,20 @@ pub fn kinds<const N: usize>(orbit: &Orbit<N>) -> Vec<TransitionKind> {
 pub fn changes<const N: usize>(orbit: &Orbit<N>) -> Vec<Transition<N>> {
     let no_touch = |t: &&Transition<N>| t.kind != TransitionKind::Touch;
     orbit.transitions.iter().filter(no_touch).copied().collect()
+}
+
+/// Gradient of the boundary function in the state, and its time derivative.
+fn boundary_gradient<S: Filippov<N>, const N: usize>(
+    system: &S,
+    t: f64,
+    x: &State<N>,
+) -> ([f64; N], f64) {
+    let along = |direction: usize| {
+        let seed = |component| f64::from(u8::from(component == direction));
+        let x = std::array::from_fn(|i| Dual::new(x[i], seed(i)));
+        system.boundary(Dual::new(t, seed(N)), &x).eps
+    };
+    (std::array::from_fn(along), along(N))
 }
 
 /// One unit in the last place of the boundary function at `(t, x)`: its change when every component
