@@ -197,9 +197,9 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
             help = "" if name in names else f", which is no state: they are {', '.join(names)}"
             raise ValueError(f"y0 {what} {name}{help}")
         return [number(given[name], f"y0[{name}]") for name in names]
-    given = array(y0, "y0")
-    values = given if given.size == len(names) else complete(system, given, "y0")[0]
-    return values.tolist()
+    values = array(y0, "y0")
+    row = values if values.size == len(names) else complete(system, values, "y0")[0]
+    return [float(value) for value in row]
 
 
 def by_name(values: Any, axis: str, name: str) -> Any:
