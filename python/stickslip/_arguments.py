@@ -102,6 +102,8 @@ def settings(options: Options) -> dict[str, Any]:
 
 def real(value: Any, name: str) -> float:
     """A number, which may be infinite."""
+    if type(value) is float and value > -math.inf:
+        return value
     is_infinite = isinstance(value, numbers.Real) and value == math.inf
     return math.inf if is_infinite else number(value, name)
 
@@ -136,7 +138,9 @@ def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
         wanted = "a sequence of numbers" if dimensions == 1 else f"of {dimensions} dimensions"
         raise ValueError(f"{name} must be {wanted}, and its shape is {given.shape}")
     copy = np.array(given, dtype=np.float64, order="C")
-    if not np.isfinite(copy).all():
+    # A reduction takes longer than a few numbers do.
+    is_short = dimensions == 1 and copy.size <= 16
+    if not (all(map(math.isfinite, copy.tolist())) if is_short else np.isfinite(copy).all()):
         place = tuple(int(k) for k in np.argwhere(~np.isfinite(copy))[0])
         at = f"{name}[{', '.join(map(str, place))}]"
         raise out_of_bounds(at, float(copy[place]), "finite")
@@ -193,7 +197,9 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
             help = "" if name in names else f", which is no state: they are {', '.join(names)}"
             raise ValueError(f"y0 {what} {name}{help}")
         return [number(given[name], f"y0[{name}]") for name in names]
-    return [float(value) for value in complete(system, array(y0, "y0"), "y0")[0]]
+    values = array(y0, "y0")
+    row = values if values.size == len(names) else complete(system, values, "y0")[0]
+    return [float(value) for value in row]
 
 
 def by_name(values: Any, axis: str, name: str) -> Any:

@@ -6,7 +6,7 @@ import math
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +44,9 @@ from ._tables import Table
 #: Parts of a step in a figure, and most points of its curves.
 PARTS_PER_STEP = 16
 MOST_DRAWN = 100_000
+
+#: The tables of a solution.
+_TABLES = ("transitions", "phases")
 
 
 @dataclass(frozen=True)
@@ -255,6 +258,22 @@ class Solution(Result):
     _memory: str | None = None
     _made: Any = None
     _by: tuple[str, ...] = ()
+    _columns_of_tables: Any = None
+
+    def __post_init__(self) -> None:
+        for table in _TABLES:
+            if self.__dict__[table] is None:
+                object.__delattr__(self, table)
+
+    if not TYPE_CHECKING:
+        # Tables take longer than a short run: they are made when they are first asked for.
+        def __getattr__(self, name: str) -> Any:
+            columns = self.__dict__.get("_columns_of_tables")
+            if name in _TABLES and columns is not None:
+                table = structured(columns[name], self.system.states, self._by)
+                object.__setattr__(self, name, table)
+                return table
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
     @property
     def success(self) -> bool:
@@ -548,14 +567,14 @@ def solve_ivp(
         if slopes["lost"] is not None and found["status"] in (0, 1, 2):
             message = f"there are no derivatives from there on: {slopes['lost']}"
             warnings.warn(message, SolverWarning, stacklevel=2)
-    for table in ("transitions", "phases"):
-        found[table] = structured(found[table], system.states, by)
+    columns = {table: found.pop(table) for table in _TABLES}
     last = 0.0 - end if is_reversed else end
     between = DenseOutput((system, begin, t_end, made, memory), last, dense, is_reversed)
     found["_memory"] = found.pop("memory")
     return make_result(
-        found,
+        {**found, **dict.fromkeys(_TABLES)},
         Solution,
+        _columns_of_tables=columns,
         sol=between if dense_output else None,
         _between=between if times is None else None,
         t_events=None if events is None else [one[0] for one in passed],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 import operator
 from collections.abc import Callable, Mapping, Sequence
@@ -307,10 +308,10 @@ def readable(value: float) -> str:
 
 def number(value: Any, name: str = "a number", what: str = "") -> float:
     """A finite number. Errors name the argument by `what` and `name`."""
-    if not isinstance(value, numbers.Real):
+    if type(value) is not float and not isinstance(value, numbers.Real):
         raise TypeError(f"{what}{name} must be a number, not {value!r}")
     result = float(value)
-    if not np.isfinite(result):
+    if not math.isfinite(result):
         raise out_of_bounds(name, result, "finite", what=what)
     return result
 

@@ -76,6 +76,7 @@ class System:
     def _set(self, origin: str, text: str, settings: Mapping[str, float]) -> None:
         self._origin, self._text, self._settings = origin, text, dict(settings)
         self._core = _core.System(origin, text, list(settings.items()))
+        self._states = tuple(self._core.states)
         self._sections: dict[tuple[Any, ...], _core.System] = {}
 
     def _with_sections(self, sections: Iterable[tuple[Expression, int]]) -> _core.System:
@@ -200,7 +201,7 @@ class System:
     @property
     def states(self) -> tuple[str, ...]:
         """Names of the states in their order; discrete ones come last."""
-        return tuple(self._core.states)
+        return self._states
 
     @property
     def discrete(self) -> tuple[str, ...]:

@@ -220,6 +220,7 @@
 pub mod analysis;
 mod contact_fault;
 mod dual;
+mod duals;
 pub mod dynamics;
 pub mod error;
 mod filippov;

@@ -423,6 +423,10 @@ impl<const N: usize> Jumps<N> for Switching {
         self.jumps[jump].when.is_affine()
     }
 
+    fn is_affine(&self, jump: usize) -> bool {
+        self.jumps[jump].when.is_affine()
+    }
+
     #[inline(always)]
     fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T {
         let mut out = [T::zero()];

@@ -306,4 +306,8 @@ impl<const N: usize> EventFunctions<N> for OwnSections {
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
         self.0[number].function.is_affine()
     }
+
+    fn is_affine(&self, number: usize) -> bool {
+        self.0[number].function.is_affine()
+    }
 }

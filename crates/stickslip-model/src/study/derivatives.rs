@@ -1,7 +1,9 @@
 //! Derivatives of an orbit by names of parameters and states.
 
-use stickslip::analysis::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
-use stickslip::dynamics::{Matrix, Section, Vector};
+use stickslip::analysis::{
+    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives_of,
+};
+use stickslip::dynamics::{DynamicsRef, Matrix, Moment, Section, Vector};
 use stickslip::{Error, Options};
 
 use crate::file::{MOST_FREE, Meaning, SettingError, System, did_you_mean};
@@ -124,12 +126,17 @@ impl Variables {
         (times, sections): (&[f64], &[Section]),
         options: &Options,
     ) -> Result<OrbitDerivatives, DerivativeError> {
-        let extended = system.with_states_of(&self.parameters)?;
+        let extended = match self.parameters[..] {
+            [] => DynamicsRef::Borrowed(&**system.dynamics()),
+            _ => system.with_states_of(&self.parameters)?,
+        };
         let values = self.parameters.iter().map(|&number| system.values[number]);
-        let start: Vec<f64> = x.iter().copied().chain(values).collect();
-        let start = Vector::from_vec(start);
-        let wanted = (&self.by[..], times);
-        let mut found = orbit_derivatives(&extended, t, start, t_end, wanted, sections, options)?;
+        let values: Vec<f64> = values.collect();
+        let with = (&*extended, &values[..]);
+        let of = Differentiated::with_parameters(&**system.dynamics(), with, &self.by);
+        let x = Vector::from_column_slice(x);
+        let start = Moment { t, x };
+        let mut found = orbit_derivatives_of(of, start, t_end, times, sections, options)?;
         let states = |of: &mut Matrix| *of = of.rows(0, system.states()).into_owned();
         found.states.iter_mut().for_each(states);
         let passages = found.passages.iter_mut().map(|(_, event)| event);

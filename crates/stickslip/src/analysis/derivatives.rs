@@ -106,34 +106,91 @@ pub fn orbit_derivatives<Kind>(
         t: t0,
         x: x0.vector(),
     };
-    along_orbit(
-        &*system.dynamics(),
-        start,
-        t_end,
-        (by, times),
-        sections,
-        options,
-    )
+    let system = system.dynamics();
+    let of = Differentiated::all(&*system, by);
+    orbit_derivatives_of(of, start, t_end, times, sections, options)
 }
 
-/// [`orbit_derivatives`] of a system of run-time size.
+/// What an orbit is differentiated by, with the system that moves it.
+#[derive(Clone, Copy)]
+pub struct Differentiated<'a> {
+    system: &'a dyn Dynamics,
+    extended: &'a dyn Dynamics,
+    parameters: &'a [f64],
+    by: &'a [Variable],
+}
+
+impl<'a> Differentiated<'a> {
+    /// An orbit of a system, with parameters that are its last states.
+    pub fn all(system: &'a dyn Dynamics, by: &'a [Variable]) -> Self {
+        Differentiated {
+            system,
+            extended: system,
+            parameters: &[],
+            by,
+        }
+    }
+
+    /// An orbit of `system`, of which some parameters have these values. `extended` is the same
+    /// system with them as further states, which the variables count too. The orbit has the bits
+    /// of a run of `system`, and costs no more.
+    pub fn with_parameters(
+        system: &'a dyn Dynamics,
+        (extended, parameters): (&'a dyn Dynamics, &'a [f64]),
+        by: &'a [Variable],
+    ) -> Self {
+        Differentiated {
+            system,
+            extended,
+            parameters,
+            by,
+        }
+    }
+
+    /// The state with the parameters.
+    fn extend(&self, x: Vector) -> Vector {
+        match self.parameters {
+            [] => x,
+            parameters => Vector::from_iterator(
+                x.len() + parameters.len(),
+                x.iter().chain(parameters).copied(),
+            ),
+        }
+    }
+
+    fn extended_moment(&self, at: Moment) -> Moment {
+        let x = self.extend(at.x);
+        Moment { x, ..at }
+    }
+
+    fn extended_step(&self, step: Step) -> Step {
+        Step {
+            x_start: self.extend(step.x_start),
+            x_end: self.extend(step.x_end),
+            ..step
+        }
+    }
+}
+
+/// [`orbit_derivatives`] of a system of run-time size, from a start without the parameters.
 ///
 /// # Errors
 /// As [`orbit_derivatives`].
-pub(super) fn along_orbit(
-    system: &dyn Dynamics,
+pub fn orbit_derivatives_of(
+    of: Differentiated<'_>,
     start: Moment,
     t_end: f64,
-    (by, times): (&[Variable], &[f64]),
+    times: &[f64],
     sections: &[Section],
     options: &Options,
 ) -> Result<OrbitDerivatives, Error> {
-    let t0 = start.t;
-    let mut orbit = system.begin(&start, t_end, options, sections)?;
+    let (t0, system) = (start.t, of.extended);
+    let mut orbit = of.system.begin(&start, t_end, options, sections)?;
+    let start = of.extended_moment(start);
     let mut carried = OrbitTangents {
         tangent: Tangent::new(system, options),
         before: Vec::new(),
-        columns: columns_at_start(system, &*orbit, &start, by)?,
+        columns: columns_at_start(system, &*orbit, &start, of.by)?,
         sections,
         found: OrbitDerivatives {
             states: Vec::with_capacity(times.len()),
@@ -154,7 +211,7 @@ pub(super) fn along_orbit(
     loop {
         match orbit.step() {
             Ok(OrbitProgress::Step) => {
-                let step = orbit.last_step();
+                let step = of.extended_step(orbit.last_step());
                 if step.t_start > until {
                     break;
                 }
@@ -162,14 +219,18 @@ pub(super) fn along_orbit(
                     carried.state(step.x_start.clone());
                 }
                 (phase.1, phase.2) = (step.t_end.min(until), step.mode);
-                let solution = orbit.solution();
                 carried.before = std::mem::take(&mut carried.columns);
-                while let Some(t) = times.next_if(|t| *t < step.t_end) {
-                    let x = solution(t);
-                    let at = Moment { t, x };
-                    carried.columns = carried.inside(&step, &at);
-                    carried.state(at.x);
+                if times.peek().is_some_and(|t| *t < step.t_end) {
+                    let (mut rest, solution) = (step.clone(), orbit.solution());
+                    carried.columns.clone_from(&carried.before);
+                    while let Some(t) = times.next_if(|t| *t < step.t_end) {
+                        let x = of.extend(solution(t));
+                        let part = rest.cut(&Moment { t, x });
+                        carried.columns = carried.tangent.carried(&part, &carried.columns);
+                        carried.state(part.x_end);
+                    }
                 }
+                // Requested times do not affect the derivatives after them.
                 carried.columns = carried.tangent.carried(&step, &carried.before);
                 if times.next_if(|t| *t <= step.t_end).is_some() {
                     carried.state(step.x_end.clone());
@@ -180,14 +241,16 @@ pub(super) fn along_orbit(
                 };
             }
             Ok(OrbitProgress::Transition(at)) if at.t > until => break,
-            Ok(OrbitProgress::Transition(at)) => {
+            Ok(OrbitProgress::Transition(mut at)) => {
+                at.x = of.extend(at.x);
                 if let Err(error) = carried.transition(&at) {
                     carried.lose(error);
                 }
             }
             Ok(OrbitProgress::Passage(at)) if at.t > until => {}
-            Ok(OrbitProgress::Passage(at)) => {
-                let step = orbit.last_step();
+            Ok(OrbitProgress::Passage(mut at)) => {
+                at.x = of.extend(at.x);
+                let step = of.extended_step(orbit.last_step());
                 carried.passage(&step, &at);
             }
             Ok(OrbitProgress::PhaseEnd(ended)) if ended.t_end <= until => {
@@ -201,7 +264,7 @@ pub(super) fn along_orbit(
             Ok(OrbitProgress::End(ended)) => {
                 last = Moment {
                     t: ended.t,
-                    x: ended.x,
+                    x: of.extend(ended.x),
                 };
                 break;
             }

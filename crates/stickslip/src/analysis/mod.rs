@@ -36,7 +36,10 @@ pub use continuation::{
     continue_periodic_orbit, switch_branches,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
-pub use derivatives::{EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives};
+pub use derivatives::{
+    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives,
+    orbit_derivatives_of,
+};
 pub use least_squares::{
     LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
     constrained_least_squares, least_squares, null_space,

@@ -1,6 +1,8 @@
 //! Derivatives of a periodic orbit by parameters.
 
-use super::derivatives::{EventDerivatives, OrbitDerivatives, Variable, along_orbit};
+use super::derivatives::{
+    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives_of,
+};
 use super::monodromy::{flow_derivative, velocity_in};
 use super::periodic::PeriodicOrbit;
 use crate::dynamics::{
@@ -122,8 +124,8 @@ pub fn periodic_derivatives<Kind>(
     let by: Vec<Variable> = (0..n + count).map(Variable::Start).collect();
     let found = Extremes::of(system, &start, t_end, n, options)?;
     let times = found.times();
-    let wanted = (&by[..], &times[..]);
-    let along = along_orbit(system, start.clone(), t_end, wanted, &[], options)?;
+    let of = Differentiated::all(system, &by);
+    let along = orbit_derivatives_of(of, start.clone(), t_end, &times, &[], options)?;
     if let Some(lost) = along.lost {
         return Err(lost);
     }

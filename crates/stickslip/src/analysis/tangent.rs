@@ -72,14 +72,13 @@ impl<'a> Tangent<'a> {
     pub(crate) fn carried(&self, step: &Step, vectors: &[Vector]) -> Vec<Vector> {
         let flow = self.system.flow(step.mode, &step.end());
         let shifts = self.system.kink_shifts(step);
-        let images = vectors.iter().map(|vector| {
-            let mut image = flow.carried(step, vector, self.carrying);
+        let mut images = flow.carried(step, vectors, self.carrying);
+        for image in &mut images {
             for shift in &shifts {
-                image += &shift.kick * (shift.gradient.dot(&image) / shift.rate);
+                *image += &shift.kick * (shift.gradient.dot(image) / shift.rate);
             }
-            image
-        });
-        images.collect()
+        }
+        images
     }
 
     /// The effect of a jump's map `R` of the state with the derivative `D` (Müller 1995, Eq. 11):
@@ -210,6 +209,7 @@ pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
 mod tests {
     use super::*;
     use crate::dynamics::AsDynamics;
+    use crate::filippov::Method;
     use crate::scalar::Scalar;
     use crate::system::{Filippov, Mode, Side};
 
@@ -246,5 +246,48 @@ mod tests {
         };
         assert_eq!(jump(0.4).unwrap().matrix.determinant(), 0.0);
         assert!(jump(0.0).is_none());
+    }
+
+    /// A pendulum that is shaken.
+    struct Pendulum;
+    impl Filippov<2> for Pendulum {
+        fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+            [x[1], t.cos() * 0.3 - x[0].sin() * (x[1] * 0.1).exp()]
+        }
+        fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
+            T::one()
+        }
+    }
+
+    #[test]
+    fn vectors_carried_together_have_the_bits_that_each_has_alone() {
+        let system = Pendulum.dynamics();
+        // The longer step is halved, and for the short vector more often than for the others.
+        for (t_end, method) in [
+            (0.3, Method::Dop853),
+            (9.0, Method::Taylor),
+            (0.1, Method::Rk4 { step: 0.1 }),
+        ] {
+            let step = Step {
+                mode: Mode::Slip(Side::Above).into(),
+                t_start: 0.0,
+                t_end,
+                x_start: Vector::from_vec(vec![2.9, 0.1]),
+                x_end: Vector::zeros(2),
+            };
+            let options = Options::tol(1e-9).method(method);
+            let tangent = Tangent::new(&*system, &options);
+            let all = [[1.0, 0.0], [0.0, 0.0], [0.7, 1.9], [-1e-3, 2.0], [0.0, 1.0]];
+            let mut all = all.map(|v| Vector::from_vec(v.to_vec()));
+            // Almost along the direction that shrinks near the upper equilibrium.
+            all[3] = Vector::from_vec(vec![1.0, -0.985]);
+            let together = tangent.carried(&step, &all);
+            for (vector, image) in all.iter().zip(&together) {
+                let alone = tangent.carried(&step, std::slice::from_ref(vector));
+                assert_eq!(&alone[0], image);
+            }
+            assert_eq!(together[1].amax(), 0.0);
+            assert!(together[0].norm() > 0.1 && tangent.carried(&step, &[]).is_empty());
+        }
     }
 }

@@ -2,18 +2,18 @@
 
 use std::cell::OnceCell;
 
+use super::carried::{CarriedOver, MOST_DIRECTIONS, TangentVector};
 use super::jumps::Jumps;
 use super::view::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
 use crate::dual::Dual;
-use crate::filippov::{
-    Direction, Flow, GuardGradient, Method, Settled, Switched, UseFlow, Velocity,
-};
+use crate::duals::Duals;
+use crate::filippov::{Direction, Flow, GuardGradient, Settled, Switched, UseFlow, Velocity};
 use crate::interval::Interval;
-use crate::ode::control::squared_error;
-use crate::ode::{Dop853, Rk4, RungeKutta, Stages, Timed, Tolerance, stages};
+use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::{State, components};
+use crate::taylor::row::lanes;
 
 /// The flow of one mode of a typed system.
 pub(super) struct TypedFlow<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
@@ -103,6 +103,22 @@ where
         Vector::from_fn(self.view.states, |i, _| velocity[i].eps)
     }
 
+    fn divergence(&self, at: &Moment) -> f64 {
+        let Timed { t, x } = self.view.timed(at);
+        let states = self.view.states;
+        let axes = (0..states).step_by(MOST_DIRECTIONS);
+        let diagonal = axes.flat_map(|first| {
+            let seeded: [Duals<MOST_DIRECTIONS>; N] = std::array::from_fn(|i| Duals {
+                re: x[i],
+                eps: lanes(|l| f64::from(u8::from(i == first + l))),
+            });
+            let velocity = self.with_flow_of_field(Velocity(Duals::constant(t), &seeded));
+            let axes = first..states.min(first + MOST_DIRECTIONS);
+            axes.map(move |i| velocity[i].eps[i - first])
+        });
+        diagonal.sum()
+    }
+
     fn settled(&self, at: &Moment) -> Vector {
         let settled = self.with_flow_of_field(Settled(self.view.timed(at)));
         self.view.vector(&settled)
@@ -163,16 +179,23 @@ where
         self.with_flow_of_guards(GuardJet(number, self.view.timed(at)))
     }
 
-    fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector {
-        let piece = SmoothPiece {
-            t: step.t_start,
-            x: self.view.timed(&step.start()).x,
-            h: step.t_end - step.t_start,
-            states: self.view.states,
-        };
-        let vector = self.view.state(vector.as_slice());
-        let carried = self.with_flow_of_field(Carried { piece, vector, how });
-        self.view.vector(&carried)
+    fn carried(&self, step: &Step, vectors: &[Vector], how: Carrying) -> Vec<Vector> {
+        let view = &self.view;
+        let x = view.timed(&step.start()).x;
+        let vectors = vectors.iter().map(|vector| TangentVector {
+            x,
+            vector: view.state(vector.as_slice()),
+        });
+        let mut vectors: Vec<TangentVector<N>> = vectors.collect();
+        self.with_flow_of_field(CarriedOver {
+            start: step.t_start,
+            length: step.t_end - step.t_start,
+            vectors: &mut vectors,
+            states: view.states,
+            moving: view.moving,
+            how,
+        });
+        vectors.iter().map(|end| view.vector(&end.vector)).collect()
     }
 
     fn is_clear(&self, t: Interval, x: &[Interval]) -> bool {
@@ -278,103 +301,4 @@ impl<const N: usize> UseFlow<N> for StaysClear<'_, N> {
             .iter()
             .all(|&i| flow.is_clear(i, self.0, self.1))
     }
-}
-
-/// Allowed error of a tangent vector per step, in tolerances. Chosen: a step that is accurate for
-/// the state mostly keeps it below ten.
-pub(crate) const TANGENT_ERROR: f64 = 100.0;
-
-/// Largest number of times that a step is halved for the accuracy of a tangent vector. Chosen: it
-/// bounds the recursion where no step is accurate.
-const MAX_HALVINGS: u32 = 30;
-
-/// A piece of a step: start and length.
-struct SmoothPiece<const N: usize> {
-    t: f64,
-    x: State<N>,
-    h: f64,
-    /// Number of states of the system.
-    states: usize,
-}
-
-/// Carries a tangent vector over a piece: the piece is integrated again on dual numbers.
-///
-/// Step-size control bounds the error of the state, which may not bound the vector's error: a state
-/// near an equilibrium allows steps of any length. The piece is then halved, up to a given number
-/// of times, until the vector is accurate, too.
-struct Carried<const N: usize> {
-    piece: SmoothPiece<N>,
-    vector: State<N>,
-    how: Carrying,
-}
-
-impl<const N: usize> UseFlow<N> for Carried<N> {
-    type Output = State<N>;
-
-    #[inline(always)]
-    fn with<F: Flow<N>>(self, flow: &F) -> State<N> {
-        let Carried { piece, vector, how } = &self;
-        // A Taylor step is longer than one of DOP853 would be; halving covers that as well. A fixed
-        // step is kept.
-        let halvings = match how.method {
-            Method::Dop853 | Method::Taylor => MAX_HALVINGS,
-            Method::Rk4 { .. } => 0,
-        };
-        let (_, carried) = match how.method {
-            Method::Rk4 { .. } => {
-                advanced::<Rk4, F, N>(flow, piece, vector, halvings, how.tolerance)
-            }
-            _ => advanced::<Dop853, F, N>(flow, piece, vector, halvings, how.tolerance),
-        };
-        carried
-    }
-}
-
-/// State and vector at the end of the piece, halved up to a given number of times.
-fn advanced<M: RungeKutta, F: Flow<N>, const N: usize>(
-    flow: &F,
-    piece: &SmoothPiece<N>,
-    vector: &State<N>,
-    halvings: u32,
-    tolerance: f64,
-) -> (State<N>, State<N>) {
-    let mut field = |t: Dual<f64>, x: &[Dual<f64>; N]| flow.field(t, x);
-    let start: [_; N] = std::array::from_fn(|i| Dual::new(piece.x[i], vector[i]));
-    let (t, h) = (Dual::new(piece.t, 0.0), Dual::new(piece.h, 0.0));
-    let slope = field(t, &start);
-    let step = stages::<M, _, _>(&mut field, t, &start, slope, h);
-    let end = (
-        State::from(step.end.map(|v| v.re)),
-        State::from(step.end.map(|v| v.eps)),
-    );
-    // A vector whose norm underflows is zero: no step would be accurate for it.
-    let size = vector.norm();
-    if size == 0.0 {
-        return (end.0, State::from([0.0; N]));
-    }
-    if halvings == 0 || !size.is_finite() {
-        return end;
-    }
-    let of_vector = Stages {
-        k: step.k.map(|k| State::from(k.map(|v| v.eps))),
-        end: end.1,
-    };
-    let allowed = Tolerance {
-        rtol: 0.0,
-        atol: tolerance * size,
-    };
-    let error = squared_error::<M, N>(&of_vector, vector, piece.h, (&allowed, piece.states));
-    // NaN where the piece is so long that its stages overflow.
-    if error <= TANGENT_ERROR * TANGENT_ERROR {
-        return end;
-    }
-    let half = 0.5 * piece.h;
-    let first = SmoothPiece { h: half, ..*piece };
-    let (x, between) = advanced::<M, F, N>(flow, &first, vector, halvings - 1, tolerance);
-    let second = SmoothPiece {
-        t: piece.t + half,
-        x,
-        ..first
-    };
-    advanced::<M, F, N>(flow, &second, &between, halvings - 1, tolerance)
 }

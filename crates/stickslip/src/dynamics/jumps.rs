@@ -89,6 +89,11 @@ pub trait Jumps<const N: usize> {
         false
     }
 
+    /// Whether the function is affine; see [`crate::EventFunctions::is_affine`].
+    fn is_affine(&self, _jump: usize) -> bool {
+        false
+    }
+
     /// Number of occurrences of a jump that ends the run; `None` by default.
     fn most(&self, _jump: usize) -> Option<u64> {
         None

@@ -4,6 +4,7 @@
 //! [`Dynamics`]. The cost is one virtual call per step, not one per evaluation of the field.
 
 mod batch;
+mod carried;
 mod flow;
 mod interrupt;
 mod jump_search;
@@ -26,7 +27,7 @@ use crate::orbit::{Counters, Ending, SummaryOf};
 use crate::system::{Filippov, State};
 
 pub use batch::Listener;
-pub(crate) use flow::TANGENT_ERROR;
+pub(crate) use carried::TANGENT_ERROR;
 pub use interrupt::Interrupt;
 pub use jumps::{Jumps, KinkShift, Reset, WithJumps};
 use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts};
@@ -409,6 +410,9 @@ pub trait SmoothFlow {
     /// The derivative of the velocity along a vector of the state space, at a fixed time.
     fn derivative(&self, at: &Moment, along: &Vector) -> Vector;
 
+    /// The divergence of the velocity, the trace of its derivative.
+    fn divergence(&self, at: &Moment) -> f64;
+
     /// The state, corrected for the rounding that displaces it from the invariant set of the flow.
     fn settled(&self, at: &Moment) -> Vector;
 
@@ -424,8 +428,9 @@ pub trait SmoothFlow {
     /// Value and first three time derivatives of a guard along the flow.
     fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4];
 
-    /// A tangent vector at the end of a step, from that at its start.
-    fn carried(&self, step: &Step, vector: &Vector, how: Carrying) -> Vector;
+    /// Tangent vectors at the end of a step, from those at its start. Each has the bits that it has
+    /// alone; together they share the values of the field.
+    fn carried(&self, step: &Step, vectors: &[Vector], how: Carrying) -> Vec<Vector>;
 
     /// Whether all guards are certain to stay positive over intervals of times and states.
     #[doc(hidden)]

@@ -444,13 +444,13 @@ where
     }
 
     fn last_step(&mut self) -> Step {
-        let step = self.integration.last_step();
+        let (mode, [from, to]) = self.integration.last_ends();
         let mut step = Step {
-            mode: self.view.modes(step.mode),
-            t_start: step.t_start,
-            t_end: step.t_end,
-            x_start: self.view.vector(&step.x_start),
-            x_end: self.view.vector(&step.x_end),
+            mode: self.view.modes(mode),
+            t_start: from.t,
+            t_end: to.t,
+            x_start: self.view.vector(&from.x),
+            x_end: self.view.vector(&to.x),
         };
         // The run before has reported the part before its end.
         if let Some(repeated) = self.repeated.as_ref()

@@ -135,4 +135,12 @@ where
             FunctionKind::Strobe(_) => false,
         }
     }
+    fn is_affine(&self, number: usize) -> bool {
+        match &self.kinds[number] {
+            FunctionKind::Plane(_) => true,
+            FunctionKind::Own(own) => self.own.is_affine(*own),
+            FunctionKind::Jump(jump) => self.jumps.is_affine(*jump),
+            FunctionKind::Turning | FunctionKind::Never | FunctionKind::Strobe(_) => false,
+        }
+    }
 }

@@ -287,6 +287,13 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         self.run.last_step(self.last_mode)
     }
 
+    /// Mode and ends of the last step, as in [`Integration::last_step`], without the solution
+    /// between them.
+    pub(crate) fn last_ends(&self) -> (S::Mode, [Timed<N>; 2]) {
+        let (from, to) = self.run.last;
+        (self.last_mode, [from, to])
+    }
+
     /// Continues until a step is to be taken, or an item is to be reported first. Returns whether
     /// it is a step.
     #[inline(always)]

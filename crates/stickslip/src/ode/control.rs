@@ -31,6 +31,14 @@ const MAX_STEP_FACTOR: f64 = 6.0;
 /// Safety factor on the step that the error estimate allows, as in `dop853.f`.
 const STEP_SAFETY: f64 = 0.9;
 
+/// Two estimates of a step's error, over its length.
+pub(crate) struct Estimates<V> {
+    /// Of order 5.
+    pub fifth: V,
+    /// Of order 3.
+    pub third: V,
+}
+
 /// Squared error of a step in units of the tolerance, accepted up to 1; not finite where the step
 /// is not. It is the mean over the first states, whose number is given. Further components are
 /// constant: parameters, what inputs hold, and what pads the type.
@@ -43,33 +51,44 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     step: &Stages<State<N>>,
     x0: &State<N>,
     h: f64,
+    tolerance: (&Tolerance, usize),
+) -> f64 {
+    let estimates = M::EMBEDDED.as_ref().map(|embedded| {
+        let eighth: State<N> = weigh(&step.k, &M::COEFFICIENTS.b);
+        Estimates {
+            fifth: weigh(&step.k, &embedded.e5),
+            third: eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order)),
+        }
+    });
+    squared_error_of(estimates.as_ref(), [x0, &step.end], h, tolerance)
+}
+
+/// [`squared_error`] from the estimates and both ends of a step.
+#[inline(always)]
+pub(crate) fn squared_error_of<const N: usize>(
+    estimates: Option<&Estimates<State<N>>>,
+    [x0, end]: [&State<N>; 2],
+    h: f64,
     (tolerance, states): (&Tolerance, usize),
 ) -> f64 {
-    let Some(embedded) = &M::EMBEDDED else {
-        // A method without an estimate accepts every finite step.
-        return if step.end.iter().all(|v| v.is_finite()) {
-            0.0
-        } else {
-            f64::NAN
-        };
+    let of_exact = || match end.iter().all(|v| v.is_finite()) {
+        true => 0.0,
+        false => f64::NAN,
     };
-    let fifth: State<N> = weigh(&step.k, &embedded.e5);
-    let eighth: State<N> = weigh(&step.k, &M::COEFFICIENTS.b);
-    let third: State<N> = eighth.add_scaled(-1.0, &weigh(&step.k, &embedded.third_order));
+    let Some(Estimates { fifth, third }) = estimates else {
+        // A method without an estimate accepts every finite step.
+        return of_exact();
+    };
     let (mut sum5, mut sum3) = (0.0, 0.0);
     for i in 0..N {
-        let scale = tolerance.scale(x0[i].abs().max(step.end[i].abs()));
+        let scale = tolerance.scale(x0[i].abs().max(end[i].abs()));
         let (e5, e3) = (fifth[i] / scale, third[i] / scale);
         sum5 += e5 * e5;
         sum3 += e3 * e3;
     }
     let denominator = sum5 + 0.01 * sum3;
     if denominator == 0.0 {
-        return if step.end.iter().all(|v| v.is_finite()) {
-            0.0
-        } else {
-            f64::NAN
-        };
+        return of_exact();
     }
     let along = h * sum5;
     along * (along / (denominator * states as f64))

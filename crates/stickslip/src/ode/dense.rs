@@ -143,6 +143,50 @@ impl<const N: usize> Dense<N> {
         }
     }
 
+    /// The solution as its mean value and terms that stay within bounds. A power series has large
+    /// terms that cancel over a long step; Chebyshev polynomials do not.
+    pub(crate) fn terms(&self) -> SolutionTerms<N> {
+        let zero = State::from([0.0; N]);
+        let mut terms = SolutionTerms {
+            mean: zero,
+            size: zero,
+            bounds: [zero; MAX_COEFFICIENTS],
+            count: 0,
+        };
+        match &self.polynomial {
+            DensePolynomial::Hermite(c) => terms.of_nested(c),
+            DensePolynomial::RungeKutta(c) => terms.of_nested(c),
+            DensePolynomial::Series(order, c) => terms.of_series(&c[..=*order]),
+        }
+        terms
+    }
+
+    /// A box that contains the state between two fractions of the step; for a series a narrower one
+    /// than [`Dense::enclosure_between`], about the middle.
+    pub(crate) fn enclosure_about_middle(&self, from: f64, to: f64) -> [Interval; N] {
+        let DensePolynomial::Series(order, c) = &self.polynomial else {
+            return self.enclosure_between(from, to);
+        };
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        let mut shifted = *c;
+        let shifted = &mut shifted[..=*order];
+        let mut size = State::from([0.0; N]);
+        for c in shifted.iter() {
+            size = size.add_scaled(1.0, &c.abs());
+        }
+        // Repeated synthetic division.
+        for first in 0..*order {
+            for k in (first..*order).rev() {
+                shifted[k] = shifted[k].add_scaled(middle, &shifted[k + 1]);
+            }
+        }
+        std::array::from_fn(|i| {
+            let reach = shifted[1..].iter().rev();
+            let reach = reach.fold(0.0, |sum: f64, c| half * (c[i].abs() + sum));
+            Interval::around(shifted[0][i], reach + TERMS_ROUNDING * size[i])
+        })
+    }
+
     /// A box that contains the state between two fractions of the step.
     pub(crate) fn enclosure_between(&self, from: f64, to: f64) -> [Interval; N] {
         let (s, r) = ([from, to], [1.0 - to, 1.0 - from]);
@@ -158,6 +202,97 @@ impl<const N: usize> Dense<N> {
         self.at((t - self.t0) / self.h)
     }
 }
+
+/// Rounding of [`SolutionTerms`], relative to the sum of the polynomial's coefficients. Chosen:
+/// four units in the last place for each of 64 operations, more than any term takes.
+const TERMS_ROUNDING: f64 = 256.0 * f64::EPSILON;
+
+/// A polynomial over a step as a mean value and terms whose factors stay between −1 and 1. The
+/// factor of the first is `2s − 1`.
+pub(crate) struct SolutionTerms<const N: usize> {
+    mean: State<N>,
+    /// What each term adds at most, with its sign.
+    bounds: [State<N>; MAX_COEFFICIENTS],
+    count: usize,
+    /// Sum of the sizes of the coefficients.
+    size: State<N>,
+}
+
+impl<const N: usize> SolutionTerms<N> {
+    #[inline(always)]
+    fn of_nested<const K: usize>(&mut self, c: &[State<N>; K]) {
+        self.mean = c[0].add_scaled(0.5, &c[1]);
+        self.bounds[0] = c[1] * 0.5;
+        for (bound, (c, reach)) in self.bounds[1..].iter_mut().zip(c[2..].iter().zip(REACH)) {
+            *bound = c * reach;
+        }
+        self.count = K - 1;
+        for c in c {
+            self.size = self.size.add_scaled(1.0, &c.abs());
+        }
+    }
+
+    fn of_series(&mut self, c: &[State<N>]) {
+        for (k, c) in c.iter().enumerate() {
+            let weights = &CHEBYSHEV[k];
+            self.mean = self.mean.add_scaled(weights[0], c);
+            for (bound, weight) in self.bounds[..k].iter_mut().zip(&weights[1..]) {
+                *bound = bound.add_scaled(*weight, c);
+            }
+            self.size = self.size.add_scaled(1.0, &c.abs());
+        }
+        self.count = c.len() - 1;
+    }
+
+    /// A box that contains the state throughout the step.
+    pub(crate) fn enclosure(&self) -> [Interval; N] {
+        let mut reach = self.size * TERMS_ROUNDING;
+        for bound in &self.bounds[..self.count] {
+            reach = reach.add_scaled(1.0, &bound.abs());
+        }
+        std::array::from_fn(|i| Interval::around(self.mean[i], reach[i]))
+    }
+
+    /// Bounds of `normal · x + slope (2s − 1)` throughout the step.
+    pub(crate) fn range_along(&self, normal: &State<N>, slope: f64) -> Interval {
+        let mut reach = TERMS_ROUNDING * normal.abs().dot(&self.size);
+        let mut slope = slope;
+        for bound in &self.bounds[..self.count.max(1)] {
+            reach += (normal.dot(bound) + slope).abs();
+            slope = 0.0;
+        }
+        Interval::around(normal.dot(&self.mean), reach)
+    }
+}
+
+/// Powers in terms of Chebyshev polynomials on the unit interval: `s^k` is the sum of `T_j(2s − 1)`
+/// times entry `j` of row `k`. All are exact.
+static CHEBYSHEV: [[f64; MAX_COEFFICIENTS]; MAX_COEFFICIENTS] = {
+    let mut all = [[0.0; MAX_COEFFICIENTS]; MAX_COEFFICIENTS];
+    all[0][0] = 1.0;
+    let mut k = 1;
+    while k < MAX_COEFFICIENTS {
+        // s T_j = (T_{j−1} + 2 T_j + T_{j+1})/4, and s T_0 = (T_0 + T_1)/2.
+        let last = all[k - 1];
+        let mut j = 0;
+        while j <= k {
+            let above = if j + 1 < MAX_COEFFICIENTS {
+                last[j + 1]
+            } else {
+                0.0
+            };
+            let below = match j {
+                0 => 0.0,
+                1 => 2.0 * last[0],
+                _ => last[j - 1],
+            };
+            all[k][j] = 0.25 * (below + 2.0 * last[j] + above);
+            j += 1;
+        }
+        k += 1;
+    }
+    all
+};
 
 /// `c0 + s (c1 + r (c2 + s (c3 + …)))` with `r = 1 − s`.
 #[inline(always)]
@@ -188,11 +323,12 @@ fn horner_between<const N: usize>(c: &[State<N>], factors: [[f64; 2]; 2]) -> [In
     x
 }
 
+/// The maxima of `s r`, `s² r`, … `s⁴ r³`, rounded up.
+const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
+
 /// Bounds of [`nested`] between 0 and 1.
 #[inline(always)]
 fn enclosure_of_nested<const N: usize, const K: usize>(c: &[State<N>; K]) -> [Interval; N] {
-    /// The maxima of `s r`, `s² r`, … `s⁴ r³`, rounded up.
-    const REACH: [f64; 6] = [0.25, 0.148_149, 0.0625, 0.034_561, 0.015_626, 0.008_394];
     std::array::from_fn(|i| {
         let mut radius = 0.5 * c[1][i].abs();
         for (term, reach) in c[2..].iter().zip(REACH) {
@@ -254,10 +390,50 @@ mod tests {
                 for range in [range, around] {
                     prop_assert!(range.low <= x + 1e-15 && x - 1e-15 <= range.high);
                 }
+                let (terms, narrow) = (dense.terms(), dense.enclosure_about_middle(from, to)[0]);
+                for range in [terms.enclosure()[0], narrow] {
+                    prop_assert!(range.low <= x && x <= range.high);
+                }
+                let along = terms.range_along(&State::from([-3.0]), 0.7);
+                let value = -3.0 * x + 0.7 * (2.0 * s - 1.0);
+                prop_assert!(along.low <= value && value <= along.high);
                 // Each of eight terms adds at most its factor's width times all later terms.
                 let width = 28.0 * (to - from);
                 prop_assert!(around.high - around.low <= width + 1e-14);
             }
         }
+    }
+
+    /// A cosine over half a period: its coefficients add up to ten times its values.
+    #[test]
+    fn bounds_of_a_long_series_are_close_to_its_values() {
+        let length = std::f64::consts::PI;
+        let mut c = [State::from([0.0]); MAX_COEFFICIENTS];
+        let mut term = 1.0;
+        for (k, c) in c.iter_mut().enumerate() {
+            c[0] = match k % 4 {
+                0 => term,
+                2 => -term,
+                _ => 0.0,
+            };
+            term *= length / (k + 1) as f64;
+        }
+        let polynomial = DensePolynomial::Series(MAX_COEFFICIENTS - 1, c);
+        let (t0, h) = (0.0, length);
+        let dense = Dense::<1> { t0, h, polynomial };
+        let [whole] = dense.terms().enclosure();
+        // Twice the sum of the Bessel functions of odd order at π/2 (Jacobi and Anger).
+        assert!((whole.low + 1.2763).abs() < 1e-3 && (whole.high - 1.2763).abs() < 1e-3);
+        assert!(dense.enclosure()[0].high > 10.0);
+        for part in 0..8 {
+            let (from, to) = (f64::from(part) / 8.0, f64::from(part + 1) / 8.0);
+            let [around] = dense.enclosure_about_middle(from, to);
+            let ends = [from, to].map(|s| crate::math::cos(s * length));
+            assert!(around.low <= ends[1] && around.high >= ends[0]);
+            assert!(around.high - around.low < 2.0 * (ends[0] - ends[1]));
+        }
+        let line = dense.terms().range_along(&State::from([2.0]), -0.5);
+        let sum = 2.0 * 1.2763 + 0.5;
+        assert!((line.low + sum).abs() < 2e-3 && (line.high - sum).abs() < 2e-3);
     }
 }

@@ -12,11 +12,12 @@ mod tableau;
 
 pub(crate) use control::Tolerance;
 pub use dense::Dense;
-pub(crate) use dense::power_series;
+pub(crate) use dense::{SolutionTerms, power_series};
 pub use dop853::Dop853;
 pub use henon::henon_step;
 pub use linear::{Linear, Timed};
 pub use rk4::Rk4;
 pub use step::{Stages, dense_slopes, stages};
-pub(crate) use step::{further_slopes, step_end};
+pub(crate) use step::{for_each_stage, further_slopes, step_end};
+pub(crate) use tableau::MAX_STAGES;
 pub use tableau::RungeKutta;

@@ -70,6 +70,7 @@ macro_rules! for_each_stage {
         $body!(15);
     };
 }
+pub(crate) use for_each_stage;
 
 /// One step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`. Calls `f` `stages − 1`
 /// times.

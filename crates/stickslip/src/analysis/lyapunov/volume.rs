@@ -1,6 +1,6 @@
 //! Growth of volumes by Liouville's formula.
 
-use crate::dynamics::{Dynamics, Matrix, Moment, Step, Vector};
+use crate::dynamics::{Dynamics, Moment, Step, Vector};
 
 /// Nodes in `[0, 1]` and weights of the Gauss–Legendre rule of five points: exact to degree 9.
 const GAUSS: [(f64, f64); 5] = [
@@ -16,19 +16,11 @@ const GAUSS: [(f64, f64); 5] = [
 pub(super) fn growth(system: &dyn Dynamics, step: &Step, solution: &dyn Fn(f64) -> Vector) -> f64 {
     let length = step.t_end - step.t_start;
     let flow = system.flow(step.mode, &step.end());
-    let axes = Matrix::identity(system.states(), system.states());
-    let divergence = |at: &Moment| -> f64 {
-        let axes = axes.column_iter().map(|axis| axis.into_owned());
-        let own = axes
-            .enumerate()
-            .map(|(i, axis)| flow.derivative(at, &axis)[i]);
-        own.sum()
-    };
     let mean: f64 = GAUSS
         .iter()
         .map(|&(node, weight)| {
             let t = step.t_start + node * length;
-            weight * divergence(&Moment { t, x: solution(t) })
+            weight * flow.divergence(&Moment { t, x: solution(t) })
         })
         .sum();
     mean * length

@@ -31,6 +31,10 @@ impl<const N: usize> EventFunctions<N> for Plane<N> {
     fn is_as_smooth_as_state(&self, _number: usize) -> bool {
         true
     }
+
+    fn is_affine(&self, _number: usize) -> bool {
+        true
+    }
 }
 
 /// A strobe: the section of a forced system that its orbits pass at `first`, `first + period`,

@@ -98,6 +98,13 @@ pub trait EventFunctions<const N: usize> {
     fn is_as_smooth_as_state(&self, _number: usize) -> bool {
         false
     }
+
+    /// Whether function `number` is affine: a sum of constant multiples of time and the state's
+    /// components, and a constant. Its bounds over a step then follow from the solution, without a
+    /// call. The default is to call it.
+    fn is_affine(&self, _number: usize) -> bool {
+        false
+    }
 }
 
 impl<V: EventFunctions<N>, const N: usize> EventFunctions<N> for &V {
@@ -116,6 +123,9 @@ impl<V: EventFunctions<N>, const N: usize> EventFunctions<N> for &V {
     }
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
         (**self).is_as_smooth_as_state(number)
+    }
+    fn is_affine(&self, number: usize) -> bool {
+        (**self).is_affine(number)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::filippov::scan::{NODES, UNIT_NODES};
 use crate::filippov::switched::{Switched, UseFlow, Velocity};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::interval::Interval;
-use crate::ode::{Dop853, Rk4, RungeKutta, Timed, step_end};
+use crate::ode::{Dop853, Rk4, RungeKutta, SolutionTerms, Timed, step_end};
 use crate::system::{State, components};
 
 /// The solution over a step, evaluated once for all functions.
@@ -21,16 +21,70 @@ pub(super) struct SampledStep<'a, K, const N: usize> {
     pub step: &'a StepRecord<N, K>,
     /// Times and states at the points of [`UNIT_NODES`].
     nodes: OnceCell<[Timed<N>; NODES]>,
-    /// A box that contains the states.
+    /// The terms of the solution, and a box that contains the states.
+    terms: OnceCell<SolutionTerms<N>>,
     enclosure: OnceCell<[Interval; N]>,
+    /// Such boxes over the halves of the step, each followed by those over its own halves.
+    parts: [OnceCell<[Interval; N]>; PARTS.len()],
 }
+
+/// The halves of a step, each followed by its own halves.
+const PARTS: [(f64, f64); 6] = [
+    (0.0, 0.5),
+    (0.0, 0.25),
+    (0.25, 0.5),
+    (0.5, 1.0),
+    (0.5, 0.75),
+    (0.75, 1.0),
+];
+
+/// An affine function of time and state.
+pub(super) struct Affine<const N: usize> {
+    normal: State<N>,
+    in_time: f64,
+    constant: f64,
+}
+
+impl<const N: usize> Affine<N> {
+    /// Event function `number`, if it is affine.
+    pub(super) fn of(events: &impl EventFunctions<N>, number: usize) -> Option<Self> {
+        if !events.is_affine(number) {
+            return None;
+        }
+        let (t, x) = (0.0, State::from([0.0; N]));
+        let value = |t, x: &_| events.value(number, t, x);
+        let (normal, in_time) = gradient(value, &Timed { t, x }, N);
+        Some(Affine {
+            normal,
+            in_time,
+            constant: events.value(number, t, components(&x)),
+        })
+    }
+
+    /// Whether it certainly has the sign `side` throughout a step.
+    fn has_sign<K>(&self, side: f64, over: &SampledStep<'_, K, N>) -> bool {
+        let StepRecord { t_start, dense, .. } = over.step;
+        let half = 0.5 * dense.h * self.in_time;
+        let of_time = [self.in_time * dense.t0, half, self.in_time * t_start];
+        let range = over.terms().range_along(&self.normal, half);
+        let size = self.constant.abs() + of_time.iter().map(|part| part.abs()).sum::<f64>();
+        let middle = 0.5 * (range.low + range.high) + (self.constant + (of_time[0] + half));
+        let reach = 0.5 * (range.high - range.low) + AFFINE_ROUNDING * size;
+        side * middle > reach
+    }
+}
+
+/// Rounding of an affine function, relative to the size of its terms.
+const AFFINE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<'a, K, const N: usize> SampledStep<'a, K, N> {
     pub(super) fn new(step: &'a StepRecord<N, K>) -> Self {
         SampledStep {
             step,
             nodes: OnceCell::new(),
+            terms: OnceCell::new(),
             enclosure: OnceCell::new(),
+            parts: [const { OnceCell::new() }; PARTS.len()],
         }
     }
 
@@ -54,8 +108,27 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
         self.nodes.get_or_init(|| UNIT_NODES.map(|s| self.at(s)))
     }
 
+    fn terms(&self) -> &SolutionTerms<N> {
+        self.terms.get_or_init(|| self.step.dense.terms())
+    }
+
     fn enclosure(&self) -> &[Interval; N] {
-        self.enclosure.get_or_init(|| self.step.dense.enclosure())
+        self.enclosure.get_or_init(|| self.terms().enclosure())
+    }
+
+    /// The box over one of [`PARTS`], with its times.
+    fn part(&self, number: usize) -> (Interval, &[Interval; N]) {
+        let StepRecord {
+            t_start,
+            t_end,
+            dense,
+            ..
+        } = self.step;
+        let length = t_end - t_start;
+        let (from, to) = (PARTS[number].0 * length, PARTS[number].1 * length);
+        let around = || dense.enclosure_about_middle(from / dense.h, to / dense.h);
+        let times = Interval::new(t_start + from, t_start + to);
+        (times, self.parts[number].get_or_init(around))
     }
 }
 
@@ -127,11 +200,29 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         self.events.is_as_smooth_as_state(self.number)
     }
 
-    /// Whether the box of the states proves that the function has the sign `side`.
-    pub(super) fn is_clear_throughout(&self, side: f64) -> bool {
+    /// Whether boxes of the states, or the solution itself, prove that the function has the sign
+    /// `side`.
+    pub(super) fn is_clear_throughout(&self, side: f64, affine: Option<&Affine<N>>) -> bool {
+        if let Some(affine) = affine {
+            return affine.has_sign(side, self.over);
+        }
         let step = self.step();
         let times = Interval::new(step.t_start, step.t_end);
-        self.has_sign(side, times, self.over.enclosure())
+        if self.has_sign(side, times, self.over.enclosure()) {
+            return true;
+        }
+        let (t, x) = (step.t_end, step.x_end);
+        // Otherwise it changes its sign, and no box excludes that.
+        if side * self.value(&Timed { t, x }) <= 0.0 {
+            return false;
+        }
+        let is_clear = |part: usize| {
+            let (times, states) = self.over.part(part);
+            self.has_sign(side, times, states)
+        };
+        [0, 3]
+            .iter()
+            .all(|&half| is_clear(half) || is_clear(half + 1) && is_clear(half + 2))
     }
 
     /// Whether bounds prove that the function has the sign `side` between two parts of the step.
@@ -239,6 +330,87 @@ impl<K, const N: usize> UseFlow<N> for StateInStep<'_, K, N> {
         Timed {
             t,
             x: flow.settle(t, x),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use numerics::SplitMix;
+
+    use super::*;
+    use crate::filippov::integration::{Integration, Progress};
+    use crate::filippov::options::Options;
+    use crate::scalar::Scalar;
+    use crate::system::{Filippov, Side};
+
+    /// An oscillator of frequency 1.
+    struct Oscillator;
+    impl Filippov<2> for Oscillator {
+        fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+            [x[1], -x[0]]
+        }
+        fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
+            T::one()
+        }
+    }
+
+    /// Affine functions by their slopes in time and state and a constant, and one that is not.
+    struct Levels(Vec<[f64; 4]>);
+    impl EventFunctions<2> for Levels {
+        fn count(&self) -> usize {
+            self.0.len() + 1
+        }
+        fn value<T: Scalar>(&self, number: usize, t: T, x: &[T; 2]) -> T {
+            match self.0.get(number) {
+                Some([in_time, a, b, c]) => t * *in_time + x[0] * *a + x[1] * *b + *c,
+                None => x[0] * x[0] + x[1] * x[1] - 2.5,
+            }
+        }
+        fn is_affine(&self, number: usize) -> bool {
+            number < self.0.len()
+        }
+    }
+
+    #[test]
+    fn a_function_that_is_called_clear_has_its_sign_throughout_the_step() {
+        let mut draw = SplitMix::new(66);
+        let level = |_| [0.3, 1.0, 1.0, 2.0].map(|size| draw.between(-size, size));
+        let levels = Levels((0..200).map(level).collect());
+        for method in [Method::Taylor, Method::Dop853] {
+            let options = Options::tol(1e-10).method(method);
+            let run = Integration::new(&Oscillator, 1.0, [0.6, -0.8], 30.0, &options);
+            let mut run = run.unwrap();
+            let (mut clear, mut without_zero) = (0, 0);
+            while run.step().unwrap() == Progress::Step {
+                let step = run.last_step();
+                let over = SampledStep::new(&step);
+                for number in 0..levels.count() {
+                    let of = OverStep {
+                        system: &Oscillator,
+                        events: &levels,
+                        number,
+                        dimension: 2,
+                        over: &over,
+                        method,
+                        size: &step.x_end,
+                        zero: 0.0,
+                    };
+                    let side = of.sampled(0.5).signum();
+                    let affine = Affine::of(&levels, number);
+                    assert_eq!(affine.is_some(), number < 200);
+                    let is_clear = of.is_clear_throughout(side, affine.as_ref());
+                    let mut samples = (0..=64).map(|k| of.sampled(f64::from(k) / 64.0));
+                    let has_sign = samples.all(|value| side * value > 0.0);
+                    assert!(has_sign || !is_clear, "{number}");
+                    assert!(is_clear || number < 200, "half the distance to a circle");
+                    clear += u32::from(is_clear);
+                    without_zero += u32::from(has_sign);
+                    assert!(!of.is_clear_throughout(-side, affine.as_ref()));
+                }
+            }
+            // Terms that reach their bounds at other times hide some.
+            assert!(10 * clear > 9 * without_zero, "{clear} of {without_zero}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::crossings::Crossings;
-use super::over_step::{OverStep, SampledStep};
+use super::over_step::{Affine, OverStep, SampledStep};
 use super::{EventFunctions, EventRecord};
 use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
 use crate::filippov::integration::Integration;
@@ -70,6 +70,8 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     /// Knowledge of each function at the end of the last step, and at its start.
     known: Vec<Known>,
     known_before: Vec<Known>,
+    /// Each function that is affine.
+    affine: Vec<Option<Affine<N>>>,
     /// Recent size of the state's components, and that at the start of the last step.
     size: State<N>,
     size_before: State<N>,
@@ -102,6 +104,9 @@ where
             system,
             known: vec![Known::default(); events.count()],
             known_before: Vec::new(),
+            affine: (0..events.count())
+                .map(|number| Affine::of(&events, number))
+                .collect(),
             events,
             method: options.method,
             size: State::zeros(),
@@ -165,7 +170,7 @@ where
             };
             let Known { side, standing } = self.known[number];
             let has_left = side != 0.0 && matches!(standing, Standing::Left);
-            if has_left && over.is_clear_throughout(side) {
+            if has_left && over.is_clear_throughout(side, self.affine[number].as_ref()) {
                 continue;
             }
             let (requested, only_first) = (self.events.direction(number), self.only_first);
