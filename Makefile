@@ -2,11 +2,11 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings captions fit-coverage shooting mutants archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions fit-coverage shooting mutants old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
-	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 13
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
@@ -52,6 +52,10 @@ shooting: ## 100 chaotic records by multiple and by single shooting; some minute
 
 mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
 	tests/mutants.sh
+
+old-processor: build-figures ## The same bits without AVX and FMA, by an emulator (qemu-user); ten minutes
+	$(CARGO) build --locked -p stickslip-cli
+	tests/old_processor.sh $(STICKSLIP) "$$(dirname $(STICKSLIP))/../figures" $(FIGURES)
 
 archive: ## Sources, crates, figures, golden files and page in dist/, to be built without a network
 	CARGO=$(CARGO) archive/make.sh
@@ -154,8 +158,8 @@ VERSION := $(shell sed -n '/workspace.package/,/^$$/s/^version = "\(.*\)"/\1/p' 
 PROGRAM_NAME := stickslip-$(VERSION)-$(shell uname -m)-$(shell uname -s | tr A-Z a-z)
 
 dist: wheel ## What a release consists of, in dist/: crate, wheel, program; needs Python and a network
-	$(CARGO) package --locked -p stickslip
-	cp "$$(dirname "$$(dirname $(STICKSLIP))")/package/stickslip-$(VERSION).crate" dist/
+	$(CARGO) package --locked -p stickslip-numerics -p stickslip
+	cp "$$(dirname "$$(dirname $(STICKSLIP))")/package/"stickslip*-$(VERSION).crate dist/
 	$(CARGO) build --locked --release -p stickslip-cli
 	rm -rf target/dist && mkdir -p target/dist/$(PROGRAM_NAME)
 	cp $(subst /debug/,/release/,$(STICKSLIP)) LICENSE README.md CHANGELOG.md target/dist/$(PROGRAM_NAME)

@@ -118,9 +118,11 @@
 //! | follow a change in two parameters | [`analysis::continue_change`] |
 //! | find attractors and basins | [`analysis::attractor`], [`analysis::basin`] |
 //! | follow an attractor | [`analysis::sweep`], [`analysis::locate_changes`] |
+//! | differentiate orbits | [`analysis::orbit_derivatives`], [`analysis::periodic_derivatives`] |
+//! | fit to data | [`analysis::least_squares`], [`analysis::constrained_least_squares`] |
 //! | measure exponents | [`analysis::lyapunov_spectrum`], [`analysis::largest_exponent`] |
 //! | use numbers of states from run time | [`dynamics::Dynamics`], [`dynamics::Vector`] |
-//! | compute with the same bits everywhere | [`math`] |
+//! | compute with the same bits everywhere | [`math`], [`math::product`] of matrices |
 //! | build a solver of your own | [`ode`]: steps, dense output, [`ode::henon_step`] |
 //!
 //! The other names are settings and results of these, and are linked from their pages. [`error`]
@@ -130,7 +132,7 @@
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
 //! it in a [`Failure`].
 
-// Of this workspace only this crate is published.
+// Of this workspace only this crate and its `stickslip-numerics` are published.
 #![warn(missing_docs)]
 
 pub mod analysis;
