@@ -179,11 +179,12 @@ def check():
     if "cargo-deny" not in missing:
         parts = ["licenses", "bans", "sources"]
         done = run("cargo", "deny", "--locked", "--workspace", "check", *parts)
-        # Duplicates are warnings; the last line has the outcome of each part.
-        lines = (done.stdout + done.stderr).strip().splitlines() or ["no answer"]
-        print(f"cargo deny: {lines[-1]}")
+        # Duplicates are warnings; one line has the outcome of each part.
+        words = done.stdout + done.stderr
+        outcome = re.search(r"^bans .*$", words, re.M)
+        print(f"cargo deny: {outcome[0] if outcome else 'no outcome'}")
         if done.returncode:
-            left.append("\n".join(["cargo deny:", *lines]))
+            left.append(f"what cargo deny names:\n{words}")
     if "cargo-semver-checks" not in missing:
         heading = HEADING.search(text_of("CHANGELOG.md"))
         ok, words = public_names(heading[1] if heading else "")

@@ -54,8 +54,10 @@ wheel() {
 release() {
     environment "$maturin" 'maturin>=1.7,<2' 'ziglang'
     rm -rf dist
+    # The source has fewer packages than its lock file, so that the wheel is built from this tree.
+    "$maturin/bin/maturin" sdist --out dist
     # maturin looks for zig in the python of the path.
-    PATH="$PWD/$maturin/bin:$PATH" "$maturin/bin/maturin" build --locked --release --sdist \
+    PATH="$PWD/$maturin/bin:$PATH" "$maturin/bin/maturin" build --locked --release \
         --zig --compatibility manylinux_2_28 --out dist
 }
 
