@@ -10,8 +10,8 @@ use super::{MOST_VALUES, Table, TableError};
 /// Longest header that is read, in bytes: as in NumPy (`max_header_size`).
 const LONGEST_HEADER: usize = 10_000;
 
-/// Deepest brackets within brackets in a header. Those of an array of numbers are two deep, those of
-/// a structured array four. The reader of headers takes twice the time for each further one.
+/// Deepest brackets within brackets in a header. Those of an array of numbers are two deep, those
+/// of a structured array four. The reader of headers takes twice the time for each further one.
 const DEEPEST_HEADER: usize = 4;
 
 /// Whether the source begins like a NumPy array.
