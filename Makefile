@@ -2,11 +2,11 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings captions fit-coverage shooting mutants archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs dist check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions fit-coverage shooting mutants fuzz old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs paper dist release-check check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
-	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 13
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 16
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
@@ -52,6 +52,16 @@ shooting: ## 100 chaotic records by multiple and by single shooting; some minute
 
 mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
 	tests/mutants.sh
+
+# The parts of the input that a user writes, each with a target in fuzz/. FUZZ_SECONDS=900 is an hour.
+FUZZED := system_file formula number_table sweep_block
+FUZZ_SECONDS ?= 300
+fuzz: ## Broken input to system files, formulas, tables, blocks; needs cargo-fuzz
+	fuzz/run.sh $(FUZZ_SECONDS) $(FUZZED)
+
+old-processor: build-figures ## The same bits without AVX and FMA, by an emulator (qemu-user); ten minutes
+	$(CARGO) build --locked -p stickslip-cli
+	tests/old_processor.sh $(STICKSLIP) "$$(dirname $(STICKSLIP))/../figures" $(FIGURES)
 
 archive: ## Sources, crates, figures, golden files and page in dist/, to be built without a network
 	CARGO=$(CARGO) archive/make.sh
@@ -116,7 +126,7 @@ bench-peers: wheel ## Error, time and lines beside other tools: the tables of re
 	$(foreach bench,$(BENCHES),$(BENCH_VENV)/bin/python benches/bench.py $(bench) $(BENCH_$(bench)) $(BENCH_ARGS) &&) true
 	$(MAKE) bench-pages
 
-bench-pages: ## figures/bench.svg, docs/speed.md and README's sentence from the tables as they are
+bench-pages: ## figures/bench.svg, docs/speed.md, sentences of README and article from the tables
 	$(CARGO) run --locked --quiet --release -p stickslip-replication --example bench -- draw report/bench.csv figures
 	$(PYTHON) benches/bench.py pages
 
@@ -140,7 +150,7 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	test -x $(DOCS_VENV)/bin/python || $(PYTHON) -m venv $(DOCS_VENV)
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
-	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs benches
+	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs benches archive
 	rm -rf $(DOCS) docs/_gallery docs/reference/_api
 	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -d target/docs/doctrees docs $(DOCS)
 	rm -rf "$$(dirname $(STICKSLIP))/../doc"
@@ -149,18 +159,32 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	mkdir $(DOCS)/report && sed -E 's/ href="\.\.\/[^"]*"//g' report/index.html > $(DOCS)/report/index.html
 	$(DOCS_VENV)/bin/python docs/check_links.py $(DOCS)
 
-# What a release consists of: the library's package, the wheel, and the program for this machine.
+# The article. Its engine makes the PDF from LaTeX, or from HTML where there is no LaTeX.
+PDF_ENGINES := xelatex lualatex tectonic weasyprint
+paper: ## The article joss/paper.md: target/paper.pdf; needs pandoc and one of xelatex, weasyprint
+	@command -v pandoc >/dev/null || { echo "not built: pandoc is missing; install it" >&2; exit 75; }
+	@for engine in $(PDF_ENGINES); do command -v $$engine >/dev/null || continue; mkdir -p target; \
+	    cd joss && exec pandoc --citeproc --metadata author="stickslip maintainers" \
+	        --pdf-engine=$$engine paper.md -o ../target/paper.pdf; done; \
+	    echo "not built: no engine is there; install one of $(PDF_ENGINES)" >&2; exit 75
+
+# What a release consists of: the library's packages, the wheel and its source, and the program for
+# this machine.
 VERSION := $(shell sed -n '/workspace.package/,/^$$/s/^version = "\(.*\)"/\1/p' Cargo.toml)
 PROGRAM_NAME := stickslip-$(VERSION)-$(shell uname -m)-$(shell uname -s | tr A-Z a-z)
 
-dist: wheel ## What a release consists of, in dist/: crate, wheel, program; needs Python and a network
-	$(CARGO) package --locked -p stickslip
-	cp "$$(dirname "$$(dirname $(STICKSLIP))")/package/stickslip-$(VERSION).crate" dist/
+dist: ## What a release consists of, in dist/: crates, wheel, program; needs Python and a network
+	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh release
+	$(CARGO) package --locked -p stickslip-numerics -p stickslip
+	cp "$$(dirname "$$(dirname $(STICKSLIP))")"/package/stickslip*-$(VERSION).crate dist/
 	$(CARGO) build --locked --release -p stickslip-cli
 	rm -rf target/dist && mkdir -p target/dist/$(PROGRAM_NAME)
 	cp $(subst /debug/,/release/,$(STICKSLIP)) LICENSE README.md CHANGELOG.md target/dist/$(PROGRAM_NAME)
 	tar -C target/dist -czf dist/$(PROGRAM_NAME).tar.gz $(PROGRAM_NAME)
 	cd dist && sha256sum *.whl *.crate *.tar.gz > SHA256SUMS && cat SHA256SUMS
+
+release-check: ## What is left before a release: versions, licences, public names, empty fields
+	$(PYTHON) archive/release.py check
 
 check: ## Formatting, lines, lints and documentation, every warning an error
 	@! git ls-files '*.rs' '*.md' | LC_ALL=C.UTF-8 xargs grep -nE '^[^|].{100}' \

@@ -228,6 +228,7 @@ def wrapped(text, width=100):
 # The generated parts of the pages: page, name, table, what it says.
 PARTS = (
     ("README.md", "speed", "bench.csv", lambda rows: wrapped(of_heyoka(rows))),
+    ("joss/paper.md", "speed", "bench.csv", lambda rows: wrapped(of_heyoka(rows))),
     ("docs/speed.md", "peers", "bench.csv", of_peers),
     ("docs/speed.md", "python", "python.csv", from_python),
     ("docs/speed.md", "spectra", "spectra.csv", lambda rows: wrapped(of_spectra(rows))),

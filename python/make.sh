@@ -3,6 +3,7 @@
 #
 #     python/make.sh wheel [PROFILE]    dist/*.whl; PROFILE of Cargo.toml, release unless given
 #     python/make.sh test [PROFILE]     the same, dev unless given, and python/tests on it
+#     python/make.sh release            dist/*.whl for every Linux from glibc 2.28 on, and its source
 #
 # Exit code 75: the package index cannot be reached, so nothing was tested. Installed packages are
 # kept in target/, and later runs need no network.
@@ -49,6 +50,17 @@ wheel() {
     "$maturin/bin/maturin" build --locked --profile "$1" --out dist
 }
 
+# zig links against an old glibc, whatever this machine has.
+release() {
+    environment "$maturin" 'maturin>=1.7,<2' 'ziglang'
+    rm -rf dist
+    # The source has fewer packages than its lock file, so that the wheel is built from this tree.
+    "$maturin/bin/maturin" sdist --out dist
+    # maturin looks for zig in the python of the path.
+    PATH="$PWD/$maturin/bin:$PATH" "$maturin/bin/maturin" build --locked --release \
+        --zig --compatibility manylinux_2_28 --out dist
+}
+
 # The requirements of an extra in pyproject.toml.
 extra() {
     "$python" -c 'import sys, tomllib
@@ -85,8 +97,9 @@ test_wheel() {
 case "${1:-}" in
 wheel) wheel "${2:-release}" ;;
 test) test_wheel "${2:-dev}" ;;
+release) release ;;
 *)
-    sed -n '2,9s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,10s/^# \{0,1\}//p' "$0" >&2
     exit 2
     ;;
 esac

@@ -214,7 +214,7 @@
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
 //! it in a [`Failure`].
 
-// Of this workspace only this crate is published.
+// Of this workspace only this crate and its `stickslip-numerics` are published.
 #![warn(missing_docs)]
 
 pub mod analysis;

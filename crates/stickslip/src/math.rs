@@ -6,6 +6,8 @@
 
 use std::cell::Cell;
 
+use nalgebra::{Complex, DMatrix, Dyn, Matrix, Storage};
+
 /// An argument with its sine and cosine.
 #[derive(Clone, Copy)]
 struct Angle {
@@ -126,6 +128,28 @@ pub fn hypot(x: f64, y: f64) -> f64 {
     libm::hypot(x, y)
 }
 
+/// Product of two matrices of run-time size. The operator `*` gives those of more than five rows
+/// and columns to code that chooses its instructions, and with them bits, by the processor.
+///
+/// # Panics
+/// If the first has not as many columns as the second has rows, as with the operator.
+pub fn product<S, T>(a: &Matrix<f64, Dyn, Dyn, S>, b: &Matrix<f64, Dyn, Dyn, T>) -> DMatrix<f64>
+where
+    S: Storage<f64, Dyn, Dyn>,
+    T: Storage<f64, Dyn, Dyn>,
+{
+    let mut product = DMatrix::zeros(a.nrows(), b.ncols());
+    for (mut column, of) in product.column_iter_mut().zip(b.column_iter()) {
+        column.gemv(1.0, a, &of, 0.0);
+    }
+    product
+}
+
+/// `|z|`. The method `norm` of a complex number calls the C library of the platform.
+pub fn modulus(z: Complex<f64>) -> f64 {
+    hypot(z.re, z.im)
+}
+
 /// `x^n` by repeated squaring: only multiplications (and one division for `n < 0`), in a fixed
 /// order.
 pub fn powi(x: f64, n: i32) -> f64 {
@@ -156,6 +180,10 @@ pub fn acosh(x: f64) -> f64 {
 mod tests {
     use std::f64::consts::FRAC_PI_4;
 
+    use nalgebra::DMatrix;
+
+    use super::product;
+
     #[test]
     fn sine_and_cosine_together_have_the_bits_of_each_alone() {
         let mut values = vec![0.0, -0.0, f64::NAN, f64::INFINITY, 1e22, -1e300, 5e-324];
@@ -179,6 +207,52 @@ mod tests {
             let other = [super::sin(x + 1.0), super::cos(x + 1.0)];
             let alone = [libm::sin(x + 1.0), libm::cos(x + 1.0)];
             assert_eq!(other.map(f64::to_bits), alone.map(f64::to_bits), "{x:e}");
+        }
+    }
+
+    /// Each entry of the product is a² − a² with a² rounded once. A product that multiplies and
+    /// adds with one rounding, as newer processors may, leaves the rounding error of a².
+    #[test]
+    fn products_of_matrices_round_each_term_and_each_sum() {
+        let a = 1.0 + super::powi(2.0, -30);
+        for size in 2..=24 {
+            for columns in [[0, size - 1], [size - 1, 0]] {
+                let (mut left, mut right) =
+                    (DMatrix::zeros(size, size), DMatrix::zeros(size, size));
+                left.column_mut(columns[0]).fill(a);
+                right.row_mut(columns[0]).fill(a);
+                left.column_mut(columns[1]).fill(-a * a);
+                right.row_mut(columns[1]).fill(1.0);
+                let zeros = DMatrix::zeros(size, size);
+                assert_eq!(product(&left, &right), zeros, "{size}, {columns:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_of_small_matrices_are_those_of_the_operator() {
+        let mut random = numerics::SplitMix::new(3);
+        for (rows, inner, columns) in [(1, 1, 1), (2, 3, 4), (5, 5, 5), (9, 4, 9), (3, 0, 2)] {
+            let a = DMatrix::from_fn(rows, inner, |_, _| random.uniform());
+            let b = DMatrix::from_fn(inner, columns, |_, _| random.uniform());
+            assert_eq!(product(&a, &b), &a * &b);
+            // A view has the entries of a larger matrix.
+            let wider = a.clone().insert_column(0, 2.0);
+            assert_eq!(product(&wider.columns(1, inner), &b), &a * &b);
+        }
+    }
+
+    #[test]
+    fn lengths_in_factorisations_are_of_these_functions() {
+        let mut random = numerics::SplitMix::new(5);
+        for _ in 0..10_000 {
+            let [x, y] = [random.uniform(), random.uniform()];
+            let of_matrices = nalgebra::ComplexField::hypot(x, y);
+            assert_eq!(
+                of_matrices.to_bits(),
+                super::hypot(x, y).to_bits(),
+                "{x} {y}"
+            );
         }
     }
 }

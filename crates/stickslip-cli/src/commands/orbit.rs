@@ -10,6 +10,7 @@ use crate::failure::Failure;
 use crate::render::{CommandOutput, Report, Table, by_state, explained, place, significant_digits};
 use stickslip::analysis::{Stability, multiplier_uncertainties, multipliers};
 use stickslip::error::readable;
+use stickslip::math::modulus;
 use stickslip_model::study::{extremes, phases_of_period};
 
 /// Find the periodic orbit that a run approaches, by shooting
@@ -93,7 +94,7 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
         }
         // Without an estimate, as a place without one.
         let within = match uncertainty.is_nan() {
-            true => 1e-4 * multiplier.norm(),
+            true => 1e-4 * modulus(*multiplier),
             false => uncertainty,
         };
         let [re, size] = [re, im.abs()].map(|part| readable(significant_digits(part, within)));
@@ -143,7 +144,7 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
     let table = Table::new()
         .column("re", |&k: &usize| multipliers[k].re)
         .column("im", |&k| multipliers[k].im)
-        .column("modulus", |&k| multipliers[k].norm())
+        .column("modulus", |&k| modulus(multipliers[k]))
         .column("uncertainty", |&k| uncertainties[k]);
     report.table(table.csv("multipliers", 0..multipliers.len())?);
     if let Some(by) = by {

@@ -1,11 +1,18 @@
 //! NumPy arrays.
 
-use std::io::{BufRead, Error, ErrorKind, Read};
+use std::io::{BufRead, Cursor, Error, ErrorKind, Read};
 
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::rows::Rows;
 use super::{MOST_VALUES, Table, TableError};
+
+/// Longest header that is read, in bytes: as in NumPy (`max_header_size`).
+const LONGEST_HEADER: usize = 10_000;
+
+/// Deepest brackets within brackets in a header. Those of an array of numbers are two deep, those
+/// of a structured array four. The reader of headers takes twice the time for each further one.
+const DEEPEST_HEADER: usize = 4;
 
 /// Whether the source begins like a NumPy array.
 pub(super) fn is_array(source: &mut impl BufRead) -> bool {
@@ -16,12 +23,14 @@ pub(super) fn is_array(source: &mut impl BufRead) -> bool {
 /// Reads an array. Rows are states; a one-dimensional array is one column.
 pub(super) fn read(
     input: String,
-    source: impl BufRead,
+    mut source: impl BufRead,
     wanted: &[String],
     dt: Option<f64>,
 ) -> Result<Table, TableError> {
     let refused = |cause: String| TableError::File(format!("{input} is a .npy array, but {cause}"));
-    let file = NpyFile::new(source).map_err(|error| refused(error.to_string()))?;
+    let header = header_of(&mut source).map_err(refused)?;
+    let whole = Cursor::new(header).chain(source);
+    let file = NpyFile::new(whole).map_err(|error| refused(error.to_string()))?;
     let shape = file.shape().to_vec();
     let (rows, count) = match shape[..] {
         [rows] => (rows, 1),
@@ -64,6 +73,48 @@ pub(super) fn read(
         }
     }
     chosen.finish(dt)
+}
+
+/// The bytes down to the end of the header.
+fn header_of(source: &mut impl Read) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    let mut take = |count: usize, bytes: &mut Vec<u8>| {
+        let read = source.by_ref().take(count as u64).read_to_end(bytes);
+        match read.map_err(|error| error.to_string())? {
+            found if found == count => Ok(()),
+            _ => Err("it ends within its header; save or copy it once more".to_owned()),
+        }
+    };
+    // Six bytes of a mark and two of a version, which says how long the length is.
+    take(8, &mut bytes)?;
+    let size_of_length = if bytes[6] == 1 { 2 } else { 4 };
+    take(size_of_length, &mut bytes)?;
+    let digits = bytes[8..].iter().rev();
+    let length = digits.fold(0, |sum, byte| sum * 256 + usize::from(*byte));
+    if length > LONGEST_HEADER {
+        return Err(format!(
+            "its header has {length} bytes, at most {LONGEST_HEADER} are read; save an array of \
+             numbers"
+        ));
+    }
+    let begin = bytes.len();
+    take(length, &mut bytes)?;
+    let (mut depth, mut deepest) = (0_usize, 0);
+    for byte in &bytes[begin..] {
+        match byte {
+            b'{' | b'[' | b'(' => depth += 1,
+            b'}' | b']' | b')' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        deepest = deepest.max(depth);
+    }
+    if deepest > DEEPEST_HEADER {
+        return Err(format!(
+            "its header has brackets {deepest} deep, at most {DEEPEST_HEADER} are read; save an \
+             array of numbers"
+        ));
+    }
+    Ok(bytes)
 }
 
 /// Converts real numbers of any type to doubles.

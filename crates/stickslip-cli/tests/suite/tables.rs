@@ -376,10 +376,22 @@ fn arrays_of_numpy() {
             "structured",
         ),
         ("nonsense".into(), &doubles[..], "f is a .npy array, but "),
+        (
+            format!("{{'descr': {} }}", "{".repeat(20)),
+            &doubles[..],
+            "brackets 21 deep, at most 4",
+        ),
+        (
+            " ".repeat(10_001),
+            &doubles[..],
+            "bytes, at most 10000 are read",
+        ),
     ] {
         let error = read(&header, numbers).unwrap_err();
         assert!(error.contains(says), "{header}: {error}");
     }
+    let error = from(b"\x93NUMPY\x01\x00v\x00{'descr'", &[], None).unwrap_err();
+    assert!(error.contains("ends within its header"), "{error}");
     let nan: Vec<u8> = [1.0, f64::NAN]
         .iter()
         .flat_map(|v| v.to_le_bytes())

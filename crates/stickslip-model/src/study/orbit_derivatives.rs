@@ -7,6 +7,7 @@ use stickslip::analysis::{
     periodic_orbit_forced,
 };
 use stickslip::dynamics::{Modes, OrbitProgress, OrbitUnderWay, Phase, Vector};
+use stickslip::math::modulus;
 use stickslip::nalgebra::Complex;
 use stickslip::{Error, Options};
 
@@ -273,7 +274,7 @@ impl Base<'_> {
         let slopes = (0..self.multipliers.len()).map(|k| {
             let near = (all[0][k] - all[1][k]) / (2.0 * of.step);
             let far = (all[2][k] - all[3][k]) / (4.0 * of.step);
-            let is_smooth = (near - far).norm() <= ROUGH * near.norm() + noise;
+            let is_smooth = modulus(near - far) <= ROUGH * modulus(near) + noise;
             is_smooth.then_some((near * 4.0 - far) / 3.0)
         });
         let slopes: Option<Vec<Complex<f64>>> = slopes.collect();
@@ -320,7 +321,7 @@ impl Base<'_> {
         }
         let mut others = multipliers(&found.monodromy);
         let nearest = self.multipliers.iter().map(|own| {
-            let off = others.iter().map(|other| (other - own).norm()).enumerate();
+            let off = others.iter().map(|other| modulus(other - own)).enumerate();
             let nearest = off.min_by(|a, b| a.1.total_cmp(&b.1));
             nearest.map(|(k, _)| others.swap_remove(k))
         });

@@ -13,12 +13,13 @@ use crate::dynamics::Matrix;
 /// ```
 /// use stickslip::analysis::multipliers;
 /// use stickslip::dynamics::Matrix;
+/// use stickslip::math::modulus;
 ///
 /// // A quarter turn about an axis along which all halves.
 /// let matrix = Matrix::from_row_slice(3, 3, &[0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.5]);
 /// let found = multipliers(&matrix);
 /// assert!((found[0].re - 0.5).abs() < 1e-15);
-/// assert!((found[1].im.abs() - 1.0).abs() < 1e-15 && (found[1] + found[2]).norm() < 1e-15);
+/// assert!((found[1].im.abs() - 1.0).abs() < 1e-15 && modulus(found[1] + found[2]) < 1e-15);
 /// ```
 pub fn multipliers(matrix: &Matrix) -> Vec<Complex<f64>> {
     let mut found = eigenvalues(matrix);

@@ -12,6 +12,7 @@ use crate::dynamics::{
 };
 use crate::error::Error;
 use crate::filippov::Options;
+use crate::math::modulus;
 use crate::orbit::Ending;
 
 /// A periodic orbit.
@@ -288,7 +289,7 @@ pub fn multiplier_uncertainties<Kind>(
     let mut others = again().unwrap_or_default();
     let rounding = ULPS * f64::EPSILON * orbit.monodromy.amax();
     let uncertainty = |value: Complex<f64>| {
-        let off = |other: &Complex<f64>| (other - value).norm();
+        let off = |other: &Complex<f64>| modulus(other - value);
         let distances = others.iter().map(off).enumerate();
         let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
         nearest.map_or(f64::NAN, |(k, distance)| {

@@ -4,6 +4,8 @@ use std::fmt;
 
 use nalgebra::Complex;
 
+use crate::math::modulus;
+
 /// Largest distance of a neutral multiplier from modulus 1: the square root of the error of an
 /// orbit computed to 1e-12. If two multipliers meet at 1, as without damping, an error of the
 /// monodromy matrix moves them by its square root.
@@ -33,7 +35,7 @@ impl Stability {
     /// assert_eq!(Stability::of(&[Complex::new(0.6, 0.8)]), Stability::Neutral);
     /// ```
     pub fn of(multipliers: &[Complex<f64>]) -> Self {
-        let is = |within: f64| multipliers.iter().all(|value| value.norm() < within);
+        let is = |within: f64| multipliers.iter().all(|&value| modulus(value) < within);
         if is(1.0 - NEUTRAL_DISTANCE) {
             Stability::Stable
         } else if is(1.0 + NEUTRAL_DISTANCE) {
@@ -46,7 +48,7 @@ impl Stability {
     /// Stability by the eigenvalues of an equilibrium. A pair may be imaginary to 1e-6 of the
     /// largest.
     pub(super) fn of_eigenvalues(eigenvalues: &[Complex<f64>]) -> Self {
-        let sizes = eigenvalues.iter().map(|value| value.norm());
+        let sizes = eigenvalues.iter().map(|&value| modulus(value));
         let noise = NEUTRAL_DISTANCE * sizes.fold(0.0, f64::max);
         if eigenvalues.iter().all(|value| value.re < -noise) {
             Stability::Stable

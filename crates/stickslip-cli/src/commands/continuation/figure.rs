@@ -5,6 +5,7 @@ use plot::{
     Shape, VERMILLION,
 };
 use stickslip::analysis::{CycleBifurcation, SpecialPoint, Stability, Stop};
+use stickslip::math::modulus;
 use stickslip_model::file::System;
 use stickslip_model::study::{BranchEnd, BranchOrbit, WholeBranch};
 
@@ -28,7 +29,7 @@ pub(super) fn diagram(
 ) -> Figure {
     let first = &system.file.states[0];
     let largest: Value = |at| {
-        let sizes = at.orbit.multipliers.iter().map(|one| one.norm());
+        let sizes = at.orbit.multipliers.iter().map(|one| modulus(*one));
         // For orbits that stick it is zero up to rounding.
         match sizes.fold(0.0, f64::max) {
             largest if largest > LARGEST_DRAWN => f64::NAN,

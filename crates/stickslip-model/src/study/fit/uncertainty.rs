@@ -2,6 +2,7 @@
 
 use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss, null_space};
 use stickslip::dynamics::{Matrix, Vector};
+use stickslip::math::product;
 use stickslip::nalgebra::{QR, SVD};
 
 use super::Modelled;
@@ -98,7 +99,7 @@ impl FitUncertainty {
         let count_of_data = rows - problem.mismatches();
         // Parts that meet leave these directions.
         let basis = null_space(&columns.rows_range(count_of_data..).into_owned());
-        let of_data = columns.rows(0, count_of_data) * &basis;
+        let of_data = product(&columns.rows(0, count_of_data), &basis);
         if of_data.is_empty() {
             own.none = Some("the parts leave nothing to the data");
             return own;
@@ -116,7 +117,10 @@ impl FitUncertainty {
         let factor = variance_factor(problem.loss(), &data, freedom).sqrt();
         let mut directions: Vec<Vector> = Vec::new();
         let mut is_open = vec![false; inside.len()];
-        for (s, row) in singular.iter().zip((right * basis.transpose()).row_iter()) {
+        for (s, row) in singular
+            .iter()
+            .zip(product(&right, &basis.transpose()).row_iter())
+        {
             if *s > least {
                 let parts = row
                     .iter()

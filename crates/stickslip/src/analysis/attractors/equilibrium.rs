@@ -6,6 +6,7 @@ use crate::analysis::cycle::unit;
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
+use crate::math::product;
 
 /// Largest number of Newton steps. Quadratic convergence takes ten; a double zero takes one for
 /// each factor of two.
@@ -198,11 +199,12 @@ pub(crate) fn along_boundaries(
         return of_states.into_owned();
     }
     let across = Matrix::from_columns(&normals).qr().q();
-    let parts = (Matrix::identity(free, free) - &across * across.transpose()).symmetric_eigen();
+    let parts =
+        (Matrix::identity(free, free) - product(&across, &across.transpose())).symmetric_eigen();
     // A projection has the eigenvalues 0 and 1.
     let axes: Vec<usize> = (0..free).filter(|k| parts.eigenvalues[*k] > 0.5).collect();
     let basis = parts.eigenvectors.select_columns(&axes);
-    basis.tr_mul(&(of_states * &basis))
+    basis.tr_mul(&product(&of_states, &basis))
 }
 
 /// The smallest guard of a mode at a point.

@@ -6,7 +6,7 @@ use super::equilibrium::{Equilibrium, ZERO, equilibrium_near, velocities_from};
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
-use crate::math;
+use crate::math::{self, product};
 
 /// Factor by which the ellipsoid exceeds the one through the orbit, as room for rounding.
 const LEVEL_MARGIN: f64 = 1.0 + 1e-6;
@@ -215,7 +215,7 @@ impl LyapunovFunction {
         let solution = equations.lu().solve(&right)?;
         let entry = |i, j| 0.5 * (solution[place(i, j)] + solution[place(j, i)]);
         let weights = Matrix::from_fn(n, n, entry);
-        let half = &weights * jacobian;
+        let half = product(&weights, jacobian);
         let rounded = norm(&(&half + half.transpose() + Matrix::identity(n, n)));
         let inverse = Cholesky::new(weights.clone())?.inverse();
         rounded.is_finite().then(|| LyapunovFunction {

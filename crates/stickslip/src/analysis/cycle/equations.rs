@@ -4,6 +4,7 @@ use super::pieces::{FlowDerivative, Piece};
 use super::{Outline, Segment, SegmentKind, Shooting, ULPS, unit};
 use crate::dynamics::{Matrix, Moment, Vector};
 use crate::filippov::Options;
+use crate::math::product;
 
 /// An equation: its residual, the derivative of that by the unknowns, and its change per unit of
 /// the states.
@@ -121,8 +122,8 @@ impl Assembly<'_> {
             let equation = self.zero_of(value, (&gradient, in_time));
             let reset = system.reset(event.contact, &self.at);
             self.at.x = reset.after;
-            self.of_state =
-                &reset.by_state * &self.of_state + &reset.by_time * self.of_time.transpose();
+            self.of_state = product(&reset.by_state, &self.of_state)
+                + &reset.by_time * self.of_time.transpose();
             let after = next.velocity(&self.at);
             let kick = &after - &reset.by_state * &velocity - &reset.by_time;
             if let Some(map) = self.maps.last_mut() {

@@ -5,6 +5,7 @@ use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
 use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Transition, Vector};
 use crate::filippov::{MIN_TOLERANCE, Options, TransitionKind};
+use crate::math::product;
 use crate::orbit::Ending;
 use crate::system::{Mode, Side};
 
@@ -67,7 +68,7 @@ impl FlowDerivative {
         velocity: Vector,
     ) {
         let by_guard = gradient.tr_mul(&self.across) / rate;
-        self.across = by_state * &self.across + kick * by_guard;
+        self.across = product(by_state, &self.across) + kick * by_guard;
         self.velocity = velocity;
         self.remove_along();
     }
@@ -85,7 +86,7 @@ impl FlowDerivative {
     /// Composition of this one with a later one.
     fn followed_by(mut self, next: &FlowDerivative) -> FlowDerivative {
         self.along += self.across.tr_mul(&next.along);
-        self.across = &next.across * self.across;
+        self.across = product(&next.across, &self.across);
         self.velocity.clone_from(&next.velocity);
         self
     }
@@ -235,7 +236,7 @@ impl Shooting<'_> {
             .collect();
         let (mut landed, mut landed_in_time) = (Matrix::identity(n, n), Vector::zeros(n));
         for landing in self.system.landings(at) {
-            landed = &landing.by_state * landed;
+            landed = product(&landing.by_state, &landed);
             landed_in_time = &landing.by_state * landed_in_time + landing.by_time;
         }
         if gradients.is_empty() {
@@ -248,9 +249,12 @@ impl Shooting<'_> {
         let Some(inverse) = normals.tr_mul(&back).try_inverse() else {
             return (landed, landed_in_time);
         };
-        let back = back * inverse;
-        let onto = Matrix::identity(n, n) - &back * normals.transpose();
-        (&onto * landed, onto * landed_in_time - back * in_time)
+        let back = product(&back, &inverse);
+        let onto = Matrix::identity(n, n) - product(&back, &normals.transpose());
+        (
+            product(&onto, &landed),
+            onto * landed_in_time - back * in_time,
+        )
     }
 
     /// The derivative of the state at the end of a piece by that at its beginning; `None` where a
@@ -301,8 +305,8 @@ impl Shooting<'_> {
         let flow = self.system.flow(segment.mode, &segment.inside);
         let [first, last] = [&piece.begin, &piece.end].map(|at| flow.velocity(at));
         let (projected, by_time) = self.projected(segment, &piece.begin, piece.begin.x.len());
-        let begun = projected * of_state + (by_time - first) * of_time.transpose();
-        map * begun + last * of_time.transpose()
+        let begun = product(&projected, of_state) + (by_time - first) * of_time.transpose();
+        product(map, &begun) + last * of_time.transpose()
     }
 
     /// The derivative of the flow map of the states over the period from the cut; in an autonomous
@@ -328,7 +332,7 @@ impl Shooting<'_> {
             return of_states.into_owned();
         }
         let basis = across(&velocity.rows(0, self.states).into_owned());
-        basis.tr_mul(&(of_states * &basis))
+        basis.tr_mul(&product(&of_states, &basis))
     }
 }
 

@@ -5,6 +5,7 @@ use super::{
     Residuals,
 };
 use crate::dynamics::{Matrix, Vector};
+use crate::math::product;
 use nalgebra::QR;
 
 /// Part of the radius within which a step goes to the constraints (Byrd and Omojokun).
@@ -122,7 +123,7 @@ impl Eliminated {
         if constraints.is_empty() {
             return Some(Vector::zeros(self.free.len()));
         }
-        let square = &self.of_constraints * &self.range;
+        let square = product(&self.of_constraints, &self.range);
         let step = &self.range * square.lu().solve(&-constraints)?;
         step.iter().all(|part| part.is_finite()).then_some(step)
     }
@@ -134,7 +135,7 @@ impl Eliminated {
         let normal = normal * if length > 0.0 { part } else { 0.0 };
         let left = (radius * radius - normal.norm_squared()).max(0.0).sqrt();
         let values = &self.data + &self.of_data * &normal;
-        let model = Model::of_columns(&self.of_data * &self.null, &values);
+        let model = Model::of_columns(product(&self.of_data, &self.null), &values);
         match model.singular.is_empty() || left == 0.0 {
             true => normal,
             false => normal + &self.null * model.step(left),

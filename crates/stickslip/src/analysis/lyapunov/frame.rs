@@ -3,7 +3,7 @@
 use super::rounding::Shadow;
 use crate::analysis::cycle::unit;
 use crate::dynamics::{Matrix, Vector};
-use crate::math;
+use crate::math::{self, product};
 
 /// A unit vector lies in a space if the sine of its angle to the space is at most this. Frames are
 /// orthonormal to a few units of 1e-16, so that this is some thousand roundings. A random angle is
@@ -162,7 +162,7 @@ impl Frame {
             {
                 self.alive[j] = false;
                 removed.push(j);
-                kernel = &kernel * combinations.rows(0, last).transpose();
+                kernel = product(&kernel, &combinations.rows(0, last).transpose());
             }
         }
         removed
