@@ -1,7 +1,7 @@
 //! The distinct attractors of a system.
 
 use super::attractor::{Attractor, AttractorKind, shifts};
-use super::equilibrium::{distance_bounds, holds};
+use super::equilibrium::{distance_bounds, holds, resolves};
 use super::recurrent::is_same_set;
 use super::tolerance::SOLVER_TOLERANCES;
 use crate::analysis::cycle::{Cycle, Outline, Shooting};
@@ -72,6 +72,13 @@ impl<'a> Attractors<'a> {
             forcing: settings.forcing,
             attractors: Vec::new(),
         }
+    }
+
+    /// The same with attractors that are known, each of which has the number of its place.
+    #[must_use]
+    pub fn knowing(mut self, attractors: Vec<Attractor>) -> Self {
+        self.attractors = attractors;
+        self
     }
 
     /// The number, counted from 0, of the attractor that an orbit has reached; a new one gets the
@@ -223,14 +230,15 @@ impl<'a> Attractors<'a> {
         shifts(one, other, same).next().is_some()
     }
 
-    /// Whether two equilibria agree to within their errors. At zero they have no size for
-    /// comparison.
+    /// Whether two equilibria agree to within their errors: those of Newton's steps, or distances
+    /// that the rounded field does not resolve. At zero they have no size for comparison.
     fn agree_within_errors(&self, one: &Attractor, other: &Attractor) -> bool {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
         };
         let bounds = distance_bounds(&*self.system, one.mode, [a, b]);
         bounds.is_some_and(|bounds| (&a.x - &b.x).amax() <= SAME_CLOSENESSES * bounds.amax())
+            || resolves(&*self.system, one.mode, [a, b]) == Some(false)
     }
 
     /// Whether all points between the two are equilibria.
