@@ -1,5 +1,6 @@
 //! The edge state between two basins of attraction, by bisection and tracking.
 
+use super::is_on_boundary;
 use super::return_time::to_chord;
 use crate::analysis::attractors::equilibrium::{equilibrium_near, holds};
 use crate::analysis::attractors::{
@@ -340,7 +341,9 @@ impl Tracking<'_> {
                 one = middle;
             } else {
                 other = middle;
-                self.beside[1] = reached;
+                if !is_on_boundary(&reached.kind) {
+                    self.beside[1] = reached;
+                }
             }
         }
         Ok([one, other])

@@ -20,10 +20,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use crate::analysis::attractors::{Attractor, Attractors, RecurrenceSettings, attractors_of};
+use crate::analysis::attractors::{
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractors_of,
+};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
+
+/// Whether an outcome is that of a start on a boundary itself, or too near it to be decided.
+fn is_on_boundary(kind: &AttractorKind) -> bool {
+    matches!(kind, AttractorKind::Undecided | AttractorKind::Unstable)
+}
 
 /// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]

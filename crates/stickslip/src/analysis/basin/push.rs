@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::is_on_boundary;
 use crate::analysis::attractors::{
     Attractor, Attractors, RecurrenceSettings, SOLVER_TOLERANCES, attractor_of_many,
 };
@@ -46,7 +47,7 @@ pub struct Push {
     pub size: f64,
     /// Half of the width to which the boundary was bisected.
     pub uncertainty: f64,
-    /// What a push that is larger by the uncertainty leads to.
+    /// What larger pushes lead to.
     pub beyond: Attractor,
 }
 
@@ -116,16 +117,25 @@ pub fn least_pushes<Kind>(
             let is_other = distinct.number(reached.clone()) != home;
             Ok(is_other.then_some(reached))
         };
-        let (mut inside, mut outside, mut beyond) = (0.0, 0.0, None);
+        let mut inside = 0.0;
+        let mut found: Option<(f64, Attractor)> = None;
         for part in 1..=how.parts {
-            outside = how.largest * part as f64 / how.parts as f64;
-            beyond = leaves(outside)?;
-            if beyond.is_some() {
+            let size = how.largest * part as f64 / how.parts as f64;
+            match (leaves(size)?, &mut found) {
+                // A start on the boundary itself does not say what lies beyond; the next one does.
+                (Some(other), Some(first)) => first.1 = other,
+                (Some(other), none) => *none = Some((size, other)),
+                (None, Some(_)) => break,
+                (None, None) => inside = size,
+            }
+            if found
+                .as_ref()
+                .is_some_and(|one| !is_on_boundary(&one.1.kind))
+            {
                 break;
             }
-            inside = outside;
         }
-        let Some(mut beyond) = beyond else {
+        let Some((mut outside, mut beyond)) = found else {
             return Ok(None);
         };
         loop {
@@ -142,6 +152,7 @@ pub fn least_pushes<Kind>(
                 }));
             }
             match leaves(middle)? {
+                Some(other) if is_on_boundary(&other.kind) => outside = middle,
                 Some(other) => (outside, beyond) = (middle, other),
                 None => inside = middle,
             }

@@ -1,12 +1,11 @@
 //! Shares of basins along a parameter, with attractors followed from value to value.
 
+use std::mem::discriminant;
 use std::ops::ControlFlow;
 
 use super::{Share, basin_while};
-use crate::analysis::attractors::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor_of_many,
-};
-use crate::analysis::bifurcation::carried_on;
+use crate::analysis::attractors::{Attractor, Attractors, RecurrenceSettings, attractor_of_many};
+use crate::analysis::bifurcation::{carried_on, is_change};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -39,11 +38,11 @@ impl SharesAt {
 /// `before`, at a value nearby: its system and its shares.
 ///
 /// An attractor goes on from one before if an orbit from the earlier attractor leads to it, and an
-/// orbit from it in the earlier system leads back. Where only one of the two holds, an attractor
-/// has ended and another one is new. The rule has no distance to choose. It holds wherever the step
-/// of the parameter moves each attractor by less than the size of its basin. (Attractors.jl
-/// matches by one of these two orbits, or by distances in the state space.) An attractor that no
-/// start reaches is kept as long as the orbit from its last value does.
+/// orbit from it in the earlier system leads back. Where only one of the two holds, as near a fold,
+/// both must have the same motion: kind, phases, mode of an equilibrium. The rule has no distance
+/// to choose. It holds wherever the step of the parameter moves attractors by less than the size of
+/// their basins. (Attractors.jl matches by one of these two orbits, or by distances in the state
+/// space.) An attractor that no start reaches stays while the orbit from its last value reaches it.
 ///
 /// Outcomes that are no attractors, such as escape, have a band each, which they keep.
 ///
@@ -73,17 +72,23 @@ pub fn shares_at<Kind>(
         let mut old = Attractors::new(earlier, settings, options);
         old = old.knowing(before.attractors.clone());
         let back = led_to(earlier, distinct.all(), &mut old, settings, options)?;
-        for (number, band) in before.bands.iter().enumerate() {
-            let is_none = |kind: &AttractorKind| {
-                std::mem::discriminant(kind)
-                    == std::mem::discriminant(&before.attractors[number].kind)
-            };
-            let next = match before.attractors[number].kind.is_attractor() {
-                true => forward[number].filter(|next| back[*next] == Some(number)),
-                false => distinct.all().iter().position(|one| is_none(&one.kind)),
-            };
-            if let Some(next) = next {
-                bands[next] = Some(*band);
+        let mut goes_on = vec![false; before.bands.len()];
+        // Orbits that lead both ways come first.
+        for is_mutual in [true, false] {
+            for (number, old) in before.attractors.iter().enumerate() {
+                let next = distinct.all().iter().enumerate().position(|(next, new)| {
+                    let leads = [forward[number] == Some(next), back[next] == Some(number)];
+                    let is_same = match (old.kind.is_attractor(), is_mutual) {
+                        (true, true) => leads == [true, true],
+                        (true, false) => leads.contains(&true) && !is_change(old, new),
+                        (false, _) => discriminant(&old.kind) == discriminant(&new.kind),
+                    };
+                    is_same && bands[next].is_none()
+                });
+                if let Some(next) = next.filter(|_| !goes_on[number]) {
+                    bands[next] = Some(before.bands[number]);
+                    goes_on[number] = true;
+                }
             }
         }
     }

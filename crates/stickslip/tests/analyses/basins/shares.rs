@@ -106,3 +106,32 @@ fn escape_has_a_band_and_is_no_attractor() {
         assert_eq!(at.bands[escapes], 1);
     }
 }
+
+/// r' = -r (s - p - 1/2)(s - p - 1) for s = r² has an unstable cycle at s = p + 1/2 and a stable
+/// one at p + 1. The stable one at p = 0 lies inside the unstable one at p = 1, and an orbit leads
+/// from there to the focus. Only the way back connects the two stable ones.
+#[test]
+fn a_cycle_keeps_its_band_where_only_the_way_back_leads_to_it() {
+    let (settings, options) = (RecurrenceSettings::within(3000.0), Options::tol(1e-9));
+    let part = "0.2*(x^2 + y^2 - p - 0.5)*(x^2 + y^2 - p - 1)";
+    let (x, y) = (format!("-x*{part} - y"), format!("-y*{part} + x"));
+    let here = |p: f64| system(&[("x", &x), ("y", &y)], p);
+    let starts = [[0.0, 0.05], [0.0, 3.0]];
+    let go_on = || ControlFlow::Continue(());
+    let how = (&settings, &options);
+    let (one, other) = (here(0.0), here(1.0));
+    type Before<'a> = Option<(&'a stickslip::dynamics::DynamicsRef<'a>, &'a SharesAt)>;
+    let none: Before<'_> = None;
+    let first = shares_at(one.dynamics(), 0.0, starts, none, how, go_on)
+        .unwrap()
+        .unwrap();
+    let before: Before<'_> = Some((one.dynamics(), &first));
+    let next = shares_at(other.dynamics(), 1.0, starts, before, how, go_on)
+        .unwrap()
+        .unwrap();
+    assert_eq!(
+        (&first.bands, &next.bands),
+        (&vec![0, 1], &vec![0, 1]),
+        "{first:?} {next:?}"
+    );
+}

@@ -148,6 +148,14 @@ fn pushes_end_at_the_known_boundary() {
         assert!((found.beyond.points[0].x[0] + 1.0).abs() < 1e-9);
     }
     assert_eq!(push([1.0, 0.0], [1.0, 0.0], &how), None);
+    // Halves of the ray hit the saddle itself, where no orbit leaves.
+    let dyadic = PushSettings {
+        largest: 4.0,
+        parts: 4,
+    };
+    let found = push([1.0, 0.0], [-1.0, 0.0], &dyadic).unwrap();
+    assert!((found.size - 1.0).abs() <= found.uncertainty, "{found:?}");
+    assert_eq!(found.beyond.kind, AttractorKind::Equilibrium);
     // -1 + 2 s = s²/3 has two roots: the ray leaves at the first and returns at the second.
     let roots = [-1.0, 1.0].map(|sign| 3.0 + sign * 6f64.sqrt());
     let found = push([-1.0, 0.0], [2.0, 1.0], &how).unwrap();
