@@ -19,6 +19,16 @@ from ._attractors import (
     bifurcation_diagram,
     parameter_map,
 )
+from ._basins import (
+    BasinEntropy,
+    BasinShares,
+    EdgeState,
+    LeastPushes,
+    UncertaintyExponent,
+    basin_shares,
+    edge_state,
+    least_push,
+)
 from ._core import __version__
 from ._ensemble import Ensemble, ensemble
 from ._errors import (
@@ -76,6 +86,8 @@ from ._system import System
 from ._tables import Table
 
 __all__ = [
+    "BasinEntropy",
+    "BasinShares",
     "Basins",
     "BifurcationDiagram",
     "Branch",
@@ -85,6 +97,7 @@ __all__ = [
     "DataSpectrum",
     "DenseOutput",
     "DiscreteState",
+    "EdgeState",
     "Ensemble",
     "EquilibriumBranch",
     "Event",
@@ -94,6 +107,7 @@ __all__ = [
     "InternalError",
     "Interrupted",
     "Jump",
+    "LeastPushes",
     "LyapunovSpectrum",
     "OptionError",
     "Options",
@@ -113,17 +127,21 @@ __all__ = [
     "SystemError",
     "Table",
     "Tangents",
+    "UncertaintyExponent",
     "__version__",
+    "basin_shares",
     "basins_of_attraction",
     "bifurcation_diagram",
     "continuation",
     "discrete",
+    "edge_state",
     "ensemble",
     "equilibrium_continuation",
     "erf",
     "event",
     "fit",
     "from_sympy",
+    "least_push",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter",

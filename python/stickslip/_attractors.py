@@ -22,6 +22,7 @@ from ._arguments import (
     start_of_each,
     threads,
 )
+from ._basins import BasinEntropy, UncertaintyExponent, entropy, exponent
 from ._plot import draw_classes, new_axes
 from ._progress import progress_report
 from ._results import (
@@ -166,6 +167,10 @@ class Basins(Result):
         failures.
     system : System
         The system.
+    return_time : ndarray, shape (…), or None
+        Time after which the orbit from each start stays within ``return_within`` of its attractor;
+        NaN where it does not, or the attractor is neither an equilibrium nor periodic. None if it
+        was not asked for.
     """
 
     starts: Floats
@@ -177,6 +182,7 @@ class Basins(Result):
     in_stick: Floats
     points: list[Floats]
     system: System
+    return_time: Floats | None = None
 
     @property
     def shares(self) -> Floats:
@@ -201,6 +207,47 @@ class Basins(Result):
         reached = done.tolist()
         return np.array([_core.share_error(reached, columns, k) for k in range(len(self.kind))])
 
+    def entropy(self, side: int) -> BasinEntropy:
+        """Basin entropy, in boxes of so many starts along each axis of the array of starts.
+
+        In a box of which the part p_j leads to attractor j, the entropy is −Σ p_j ln p_j. Sb is its
+        mean over all boxes, Sbb that over boxes on boundaries (Daza, Wagemakers, Georgeot,
+        Guéry-Odelin & Sanjuán, Scientific Reports 6 (2016) 31416).
+
+        Parameters
+        ----------
+        side : int
+            Number of starts, 2 at least, that divides each axis into 2 boxes or more.
+
+        Returns
+        -------
+        BasinEntropy
+
+        Raises
+        ------
+        OptionError
+            If the boxes do not fit.
+        """
+        return entropy(self.reached, side)
+
+    def uncertainty_exponent(self) -> UncertaintyExponent:
+        """Uncertainty exponent and dimension of the boundaries, of starts on an even grid.
+
+        Starts at a distance ε along an axis lead to different attractors with the frequency
+        f ~ ε^α, and the boundary has the dimension D − α (Grebogi, McDonald, Ott & Yorke, Physics
+        Letters A 99 (1983) 415). It needs 64 starts along each axis.
+
+        Returns
+        -------
+        UncertaintyExponent
+
+        Raises
+        ------
+        OptionError
+            If there are fewer starts.
+        """
+        return exponent(self.reached)
+
     def _is_grid(self) -> bool:
         """Whether the starts are an even grid over two states, along the axes of the array."""
         if self.reached.ndim != 2 or min(self.reached.shape) < 2:
@@ -217,7 +264,8 @@ class Basins(Result):
     @property
     def attractors(self) -> Table:
         """A table of the attractors: ``kind``, ``phases``, ``period``, ``returns``, ``in_stick``,
-        ``share`` and its ``std_error``."""
+        ``share`` and its ``std_error``. With return times also ``mean_return``, its standard error
+        ``mean_return_error`` and ``largest_return``; NaN where no start returns."""
         columns = {
             "kind": list(self.kind),
             "phases": list(self.phases),
@@ -227,6 +275,18 @@ class Basins(Result):
             "share": self.shares,
             "std_error": self.std_errors,
         }
+        if self.return_time is not None:
+            each = [self.return_time[self.reached == k] for k in range(len(self.kind))]
+            each = [times[np.isfinite(times)] for times in each]
+            mean = [times.mean() if len(times) else np.nan for times in each]
+            error = [
+                times.std(ddof=1) / np.sqrt(len(times)) if len(times) > 1 else np.nan
+                for times in each
+            ]
+            columns["mean_return"] = np.array(mean)
+            columns["mean_return_error"] = np.array(error)
+            columns["largest_return"] = np.array([times.max(initial=-np.inf) for times in each])
+            columns["largest_return"][np.isneginf(columns["largest_return"])] = np.nan
         return structured(columns)
 
     def _columns(self) -> dict[str, Any]:
@@ -234,11 +294,13 @@ class Basins(Result):
         kinds = np.array([*self.kind, ""])
         phases = np.array([*self.phases, ""])
         rows = self.starts.reshape(-1, self.starts.shape[-1])
+        times = {} if self.return_time is None else {"return_time": self.return_time.ravel()}
         return {
             **states_of(self.system, rows),
             "reached": reached,
             "kind": kinds[reached],
             "phases": phases[reached],
+            **times,
         }
 
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -459,6 +521,7 @@ def basins_of_attraction(
     starts: ArrayLike | Sequence[ArrayLike],
     *,
     longest: float = 2000.0,
+    return_within: float | None = None,
     workers: int = -1,
     progress: bool = False,
     **options: Unpack[Options],
@@ -476,6 +539,10 @@ def basins_of_attraction(
         the n, may be left out: they start at their own values.
     longest : float, optional
         Time after which an orbit without an attractor is undecided.
+    return_within : float, optional
+        Distance to the attractor, Euclidean in the units of the states. The result then has the
+        time after which each orbit stays so near. With a drive, states are compared at whole
+        periods. Default: no such times.
     workers : int, optional
         Number of threads; -1 for all cores. The result does not depend on it.
     progress : bool, optional
@@ -508,7 +575,7 @@ def basins_of_attraction(
             _core.basins,
             system._core,
             rows,
-            (real(longest, "longest"), threads(workers)),
+            (real(longest, "longest"), _distance(return_within), threads(workers)),
             settings(options),
             report,
         )
@@ -516,8 +583,16 @@ def basins_of_attraction(
     each = [reasons[k] for k in found["reached"]]
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
     found["reached"] = found["reached"].reshape(shape)
+    if return_within is not None:
+        found["return_time"] = found["return_time"].reshape(shape)
     starts = rows.reshape(*shape, rows.shape[1])
     return make_result(found, Basins, starts=starts, system=system)
+
+
+def _distance(distance: float | None) -> float | None:
+    if distance is not None and not number(distance, "return_within") > 0:
+        raise out_of_bounds("return_within", distance, "positive, or None for no times")
+    return distance
 
 
 def parameter_map(

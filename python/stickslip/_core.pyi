@@ -9,13 +9,17 @@ __all__ = [
     "System",
     "__version__",
     "_unwind",
+    "basin_entropy",
+    "basin_shares",
     "basins",
     "bifurcation_diagram",
     "continuation",
+    "edge_state",
     "equilibrium_continuation",
     "end_of",
     "ensemble",
     "fit",
+    "least_push",
     "lyapunov_from_data",
     "lyapunov_spectrum",
     "parameter_map",
@@ -24,6 +28,7 @@ __all__ = [
     "share_error",
     "solve",
     "tangents",
+    "uncertainty_exponent",
 ]
 
 __version__: str
@@ -170,10 +175,35 @@ def parameter_map(
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...
+def basin_entropy(reached: Sequence[int], shape: Sequence[int], side: int) -> _Found: ...
+def uncertainty_exponent(reached: Sequence[int], shape: Sequence[int]) -> _Found: ...
+def least_push(
+    system: System,
+    x: Sequence[float],
+    directions: NDArray[np.float64],
+    how: tuple[float, int, float, int],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
+def edge_state(
+    system: System,
+    states: tuple[Sequence[float], Sequence[float]],
+    how: tuple[float, float, float, float],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
+def basin_shares(
+    system: System,
+    starts: NDArray[np.float64],
+    along: _Along,
+    how: tuple[float, int],
+    settings: _Settings,
+    report: _Report,
+) -> _Found: ...
 def basins(
     system: System,
     starts: NDArray[np.float64],
-    how: tuple[float, int],
+    how: tuple[float, float | None, int],
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...

@@ -26,6 +26,23 @@ def damped():
     return ss.System({x: v, v: ss.parameter("p", 1.0) - v - x - x**3}, start=[0, 0])
 
 
+def of_basins():
+    x, y = ss.states("x y")
+    u = x - y**2 / 3
+    wells = ss.System({x: u - u**3 - 2 / 3 * y**2, y: -y})
+    line = np.linspace(-1.99, 1.99, 64)
+    grid = np.stack(np.meshgrid(line, line), axis=-1)
+    boundary = ss.basins_of_attraction(wells, grid, longest=200, rtol=1e-8)
+    p = ss.parameter("p", 0.0)
+    fold = ss.System({x: p + x - x**3})
+    return {
+        "boundary": boundary.uncertainty_exponent(),
+        "pushes": ss.least_push(wells, [1, 0], [[-1, 0], [0, 1]], largest=3),
+        "edge": ss.edge_state(wells, [-1, 1], [2, 1]),
+        "shares": ss.basin_shares(fold, p, [-0.5, 0, 0.5], [[-1.0], [0.1], [1.0]]),
+    }
+
+
 def results():
     system, start = belt_system(), [0.5, 0]
     v = ss.state("v")
@@ -43,6 +60,7 @@ def results():
         "plane": ss.parameter_map(
             system, ("mu0", [0.3, 0.4]), ("vp", [0.2, 0.3, 0.4]), start, longest=200, duration=20
         ),
+        **of_basins(),
         "data": ss.lyapunov_from_data(np.sin(0.1 * np.arange(3000.0)) ** 3, dt=0.1),
     }
 

@@ -57,7 +57,7 @@ def test_the_stubs_are_those_of_the_engine(tmp_path):
 
 
 MODULES = [
-    *("", "._attractors", "._ensemble", "._errors", "._exponents", "._orbits", "._run"),
+    *("", "._attractors", "._basins", "._ensemble", "._errors", "._exponents", "._orbits", "._run"),
     *("._sympy", "._system"),
 ]
 

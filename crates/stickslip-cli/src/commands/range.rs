@@ -63,6 +63,18 @@ impl StateRange {
         Self::checked(position("state", &name, names)?, low, high, option)
     }
 
+    /// The range of each state that has one in the file, except discrete ones.
+    pub(super) fn of_file(system: &System) -> Vec<Self> {
+        let states = system.file.states.iter().enumerate();
+        let ranges = states
+            .filter(|(_, state)| !state.is_discrete)
+            .filter_map(|(state, one)| {
+                let (low, high) = one.range?;
+                Some(Self { state, low, high })
+            });
+        ranges.collect()
+    }
+
     fn checked(state: usize, low: f64, high: f64, option: &str) -> Result<Self, Failure> {
         check_ends(low, high, option)?;
         Ok(Self { state, low, high })

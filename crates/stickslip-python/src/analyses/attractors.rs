@@ -6,9 +6,10 @@ use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
+use stickslip::Options;
 use stickslip::analysis::{
-    Attractor, AttractorChange, AttractorKind, Exponent, WhatChanges, attractor_of_many,
-    basin_while,
+    Attractor, AttractorChange, AttractorKind, Exponent, RecurrenceSettings, WhatChanges,
+    attractor_of_many, basin_while, return_time,
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
@@ -27,7 +28,7 @@ fn start_state(system: &CompiledSystem, given: Option<&[f64]>) -> Result<Vec<f64
 }
 
 /// Checks whether attractors can be searched.
-fn check(system: &CompiledSystem, longest: f64) -> PyResult<()> {
+pub(super) fn check(system: &CompiledSystem, longest: f64) -> PyResult<()> {
     system.checked_period().map_err(no_period)?;
     let settings = recurrence(system, longest);
     settings
@@ -90,7 +91,7 @@ fn motions(fields: &Fields<'_>, found: &[Option<ReachedMotion>]) -> PyResult<()>
 }
 
 /// Adds what orbits have reached, with the points of their attractors.
-fn outcomes<'a>(
+pub(super) fn outcomes<'a>(
     fields: &Fields<'_>,
     system: &CompiledSystem,
     found: impl Iterator<Item = &'a Attractor> + Clone,
@@ -274,17 +275,34 @@ pub(crate) fn share_error(reached: Vec<u32>, columns: Option<usize>, number: u32
     }
 }
 
+/// The time in which the orbit from a start returns to its attractor; `None` also where an
+/// interruption ends it.
+fn returned(
+    system: &CompiledSystem,
+    start: &Vector,
+    distance: f64,
+    settings: &RecurrenceSettings,
+    options: &Options,
+) -> Result<Option<f64>, stickslip::Error> {
+    let dynamics = system.dynamics();
+    let reached = attractor_of_many(dynamics, start, settings, options)?;
+    match return_time(dynamics, start, &reached, distance, settings, options) {
+        Err(stickslip::Error::Interrupted { .. }) => Ok(None),
+        time => time,
+    }
+}
+
 /// Index of the attractor of each start; -1 for starts that an interruption left out.
 #[pyfunction]
 pub(crate) fn basins<'py>(
     py: Python<'py>,
     system: &System,
     starts: PyReadonlyArray2<'py, f64>,
-    how: (f64, usize),
+    how: (f64, Option<f64>, usize),
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (longest, workers) = how;
+    let (longest, return_within, workers) = how;
     let (compiled, options) = (&system.compiled, settings.options()?);
     check(compiled, longest)?;
     let settings = recurrence(compiled, longest);
@@ -304,11 +322,27 @@ pub(crate) fn basins<'py>(
                 ControlFlow::Continue(())
             }
         };
-        let found = basin_while(system.dynamics(), starts, &settings, &options, go_on);
-        Ok(found?)
+        let found = basin_while(
+            system.dynamics(),
+            starts.clone(),
+            &settings,
+            &options,
+            go_on,
+        )?;
+        let time = |(start, number): (&Vector, &Option<usize>)| match (return_within, number) {
+            (Some(distance), Some(_)) if !task.is_stopped() => {
+                returned(&system, start, distance, &settings, &options)
+            }
+            _ => Ok(None),
+        };
+        let each = starts.par_iter().zip(&found.1);
+        let times = each
+            .map(time)
+            .collect::<Result<Vec<_>, stickslip::Error>>()?;
+        Ok((found, times))
     })?;
     let (found, raised) = outcome.kept(|error: Failure| error.raised(compiled))?;
-    let (attractors, reached) = found;
+    let ((attractors, reached), times) = found;
     let attractors = attractors.into_iter();
     let attractors = attractors.map(|one| reported(one, |error| words(error, compiled)));
     let attractors: Vec<_> = attractors.collect();
@@ -316,5 +350,8 @@ pub(crate) fn basins<'py>(
     outcomes(&fields, compiled, attractors.iter())?;
     let reached = reached.iter().map(|one| one.map_or(-1, |one| one as i64));
     fields.integers("reached", reached)?;
+    if return_within.is_some() {
+        fields.optional_numbers("return_time", times)?;
+    }
     fields.ended(raised)
 }

@@ -2,6 +2,7 @@
 //! texts and arrays.
 
 mod attractors;
+mod basins;
 mod branch;
 mod equilibria;
 mod exponents;
@@ -30,5 +31,10 @@ pub(crate) fn add(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(attractors::bifurcation_diagram, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::parameter_map, module)?)?;
     module.add_function(wrap_pyfunction!(attractors::share_error, module)?)?;
-    module.add_function(wrap_pyfunction!(attractors::basins, module)?)
+    module.add_function(wrap_pyfunction!(attractors::basins, module)?)?;
+    module.add_function(wrap_pyfunction!(basins::basin_entropy, module)?)?;
+    module.add_function(wrap_pyfunction!(basins::uncertainty_exponent, module)?)?;
+    module.add_function(wrap_pyfunction!(basins::least_push, module)?)?;
+    module.add_function(wrap_pyfunction!(basins::edge_state, module)?)?;
+    module.add_function(wrap_pyfunction!(basins::basin_shares, module)?)
 }

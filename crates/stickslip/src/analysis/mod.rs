@@ -24,7 +24,11 @@ pub use attractors::{
     Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_of_many,
     attractors_of_many,
 };
-pub use basin::{Basin, Share, basin, basin_while};
+pub use basin::{
+    Basin, BasinEntropy, EdgeKind, EdgeSettings, EdgeState, Push, PushSettings, Share, SharesAt,
+    UncertaintyExponent, basin, basin_entropy, basin_while, edge_state, least_pushes, return_time,
+    shares_along, shares_at, uncertainty_exponent,
+};
 pub use bifurcation::{
     AttractorChange, NotFollowed, SweepPoint, SweepSettings, WhatChanges, carried_on, is_change,
     locate_changes, locate_changes_within, sweep,

@@ -3,6 +3,7 @@
 
 mod any_system;
 mod attractors;
+mod basins;
 mod bifurcations;
 #[path = "../common/compiled.rs"]
 mod compiled;

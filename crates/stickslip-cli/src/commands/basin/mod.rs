@@ -1,5 +1,6 @@
 //! `stickslip basin`: which attractor each of many starts leads to.
 
+mod measures;
 mod starts;
 
 use std::num::NonZeroUsize;
@@ -8,7 +9,7 @@ use std::path::Path;
 use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{Attractor, AttractorKind, Attractors, attractors_of_many};
+use stickslip::analysis::{Attractor, AttractorKind, Attractors, attractors_of_many, return_time};
 use stickslip::dynamics::Vector;
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
@@ -18,6 +19,7 @@ use super::{attractors, figures};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, state_words};
 use crate::sweep::{Store, SweepError};
+use measures::{EdgeShown, Measured, Measures, Returns};
 use starts::Points;
 use stickslip_model::file::System;
 use stickslip_model::study::{recurrence, reported};
@@ -32,8 +34,12 @@ use stickslip_model::study::{recurrence, reported};
 /// States outside the plane start at their values in the file, or at those of --start. A discrete
 /// state can be in the plane, too: --y n=-0.5:1.5 with two rows of --grid takes it as 0 and as 1.
 ///
+/// Beside the shares, boundaries and thresholds of basins can be measured: --entropy, --dimension,
+/// --return-within, --push and --edges.
+///
 /// Writes basin.csv with all starts, attractors.csv with the shares and their standard errors, and
-/// basin.svg. Finished blocks are in sweep/: after a kill, the same command resumes from them.
+/// basin.svg; with the measures also uncertain.csv, pushes.csv, edges.csv and tracks.csv. Finished
+/// blocks are in sweep/: after a kill, the same command resumes from them.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Range of the first coordinate of the starts; default: the first state, with its range in the
@@ -61,6 +67,9 @@ pub(super) struct Arguments {
     until: UntilArguments,
 
     #[command(flatten)]
+    measures: Measures,
+
+    #[command(flatten)]
     sweep: SweepArguments,
     #[command(flatten)]
     run: RunArguments,
@@ -85,6 +94,8 @@ pub(super) struct Basin {
     /// Components of the starts outside the plane.
     start: Vec<f64>,
     until: f64,
+    #[serde(flatten)]
+    measures: Measures,
     solver: SolverArguments,
 }
 
@@ -95,6 +106,9 @@ pub(super) struct Block {
     attractors: Vec<Attractor>,
     /// Index of each start's attractor in `attractors`.
     starts: Vec<usize>,
+    /// Time to return of each start, if it is wanted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    returns: Vec<Option<f64>>,
 }
 
 impl Basin {
@@ -144,11 +158,13 @@ impl Basin {
             points,
             start,
             until: arguments.until.of(system),
+            measures: arguments.measures.clone(),
             solver: arguments.run.solver.clone(),
         };
         recurrence(system, basin.until).check()?;
         // A wrong option should be reported before the sweep, not by its first block.
         basin.solver.options()?;
+        basin.measures.check(&basin.points, &basin.plane, system)?;
         Ok(basin)
     }
 
@@ -176,9 +192,21 @@ impl Sweep for Basin {
         let settings = recurrence(system, self.until);
         let options = self.solver.options()?;
         let points = self.points.of_block(index);
-        let starts = points.map(|point| Vector::from(self.start(point)));
-        let reached = attractors_of_many(system.dynamics(), starts, &settings, &options);
-        let reached = reached.map_err(|error| Failure::from(error).of(system))?;
+        let starts: Vec<Vector> = points
+            .map(|point| Vector::from(self.start(point)))
+            .collect();
+        let of_system = |error: stickslip::Error| Failure::from(error).of(system);
+        let reached = attractors_of_many(system.dynamics(), &starts, &settings, &options);
+        let reached = reached.map_err(of_system)?;
+        let returns = self
+            .measures
+            .return_within
+            .map_or(Ok(Vec::new()), |distance| {
+                let each = starts.iter().zip(&reached).map(|(start, one)| {
+                    return_time(system.dynamics(), start, one, distance, &settings, &options)
+                });
+                each.collect::<Result<Vec<_>, _>>().map_err(of_system)
+            })?;
         let mut distinct = Attractors::new(system.dynamics(), &settings, &options);
         let starts = reached.into_iter().map(|one| {
             let one = reported(one, |error| in_words(error, system));
@@ -187,6 +215,7 @@ impl Sweep for Basin {
         Ok(Block {
             starts: starts.collect(),
             attractors: distinct.into_vec(),
+            returns,
         })
     }
 
@@ -223,6 +252,10 @@ impl Sweep for Basin {
                 let at = state_words(at.x.as_slice());
                 report.note(format!("{:32}{family}, here the one through {at}", ""));
             }
+            let returns = self.measures.return_within;
+            if let Some(words) = returns.and_then(|distance| one.returns.words(distance)) {
+                report.note(format!("{:32}{words}", ""));
+            }
         }
         let json = |is_one: bool| -> Vec<Value> {
             let these = in_order.iter().filter(|one| one.number.is_some() == is_one);
@@ -240,8 +273,25 @@ impl Sweep for Basin {
                 one.reached.points.first().map(|at| at.x.clone())
             })
             .column("reason", |one| attractors::reason(&one.reached));
+        let table = match self.measures.return_within {
+            Some(_) => table
+                .column("mean_return", |one| one.returns.mean())
+                .column("mean_return_error", |one| one.returns.std_error())
+                .column("largest_return", |one| one.returns.largest()),
+            None => table,
+        };
         report.table(table.csv("attractors", in_order.iter().copied())?);
-        report.figure("basin", &self.figure(&attractors, &reached, system));
+        let measured = Measured {
+            system,
+            settings: recurrence(system, self.until),
+            options: self.solver.options()?,
+            plane: &self.plane,
+            points: self.points,
+            attractors: &attractors,
+            reached: &reached,
+        };
+        let edges = self.measures.report(&measured, &mut report)?;
+        report.figure("basin", &self.figure(&attractors, &reached, &edges, system));
         Ok(report)
     }
 }
@@ -257,6 +307,8 @@ struct OutcomeShare {
     share: f64,
     /// Standard error of the fraction: [`Points::std_error`].
     std_error: f64,
+    /// Times to return of the starts, if they are wanted.
+    returns: Returns,
 }
 
 impl OutcomeShare {
@@ -293,25 +345,36 @@ impl Basin {
         let options = self.solver.options()?;
         let mut distinct = Attractors::new(system.dynamics(), &settings, &options);
         let mut reached = Vec::new();
-        type Row = (Vec<f64>, Option<usize>, &'static str);
+        let mut returns: Vec<Returns> = Vec::new();
+        type Row = (Vec<f64>, Option<usize>, &'static str, Option<f64>);
         let starts = Table::new()
             .state(system, "", |(start, ..): &Row| start.clone())
-            .column("attractor", |&(_, number, _)| number)
-            .column("motion", |&(.., word)| word);
+            .column("attractor", |&(_, number, ..)| number)
+            .column("motion", |&(_, _, word, _)| word);
+        let starts = match self.measures.return_within {
+            Some(_) => starts.column("return_time", |&(.., time)| time),
+            None => starts,
+        };
         table(store, path, &starts, |index, block: Block| {
             let found = block.attractors.into_iter();
             let numbers: Vec<usize> = found.map(|one| distinct.number(one)).collect();
             let known = distinct.all();
             let known_numbers = numbers_of(known);
-            let points = self.points.of_block(index).zip(block.starts);
-            let row = |(point, local): (usize, usize)| {
+            returns.resize(known.len(), Returns::default());
+            let times = block.returns.into_iter().chain(std::iter::repeat(None));
+            let points = self.points.of_block(index).zip(block.starts).zip(times);
+            let row = |((point, local), time): ((usize, usize), Option<f64>)| {
                 let attractor = *numbers.get(local).ok_or_else(|| SweepError::Block {
                     block: index,
                     source: format!("it has no attractor {local}").into(),
                 })?;
                 reached.push(attractor as u32);
                 let word = known[attractor].kind.word();
-                Ok((self.start(point), known_numbers[attractor], word))
+                let start = self.start(point);
+                if let Some(time) = time {
+                    returns[attractor].add(&start, time);
+                }
+                Ok((start, known_numbers[attractor], word, time))
             };
             points.map(row).collect()
         })?;
@@ -327,6 +390,7 @@ impl Basin {
             starts: starts[k],
             share: starts[k] as f64 / all,
             std_error: self.points.std_error(&reached, k as u32),
+            returns: returns[k].clone(),
         };
         let attractors = known.into_iter().enumerate().map(share_of).collect();
         Ok((attractors, reached))
@@ -347,11 +411,20 @@ impl Basin {
         json["starts"] = json!(one.starts);
         json["share"] = json!(one.share);
         json["std_error"] = json!(one.std_error);
+        if let Some(distance) = self.measures.return_within {
+            json["return_time"] = one.returns.json(distance);
+        }
         json
     }
 
     /// The plane of starts, coloured by attractor.
-    fn figure(&self, attractors: &[OutcomeShare], reached: &[u32], system: &System) -> Figure {
+    fn figure(
+        &self,
+        attractors: &[OutcomeShare],
+        reached: &[u32],
+        edges: &[EdgeShown],
+        system: &System,
+    ) -> Figure {
         let axis = |k: usize| {
             let range = &self.plane[k];
             let state = &system.file.states[range.state];
@@ -391,6 +464,7 @@ impl Basin {
                 }
             }
         }
+        EdgeShown::draw(edges, &mut panel);
         let title = format!("{}: basins of attraction", system.file.name);
         let shown: Vec<&str> = classes.iter().map(|class| class.legend.as_str()).collect();
         let shown = shown.join("; ");

@@ -9,7 +9,7 @@ use stickslip::dynamics::{Phase, Vector};
 use stickslip_model::file::System;
 use stickslip_model::study::AtValue;
 
-use super::{Bifurcation, Block};
+use super::{Bifurcation, Block, Pass};
 use crate::commands::exponent;
 use crate::commands::sweeping::table;
 use crate::commands::{attractors, figures};
@@ -144,7 +144,7 @@ impl Bifurcation {
         });
         let columns = columns.column("reason", |(_, at, _)| attractors::reason(&at.reached));
         table(store, points, &columns, |block, part: Block| {
-            let number = usize::from(!self.is_up(block));
+            let number = usize::from(self.pass(block) != Pass::Up);
             let way = &mut directions[number];
             way.changes.extend(part.changes);
             let mut rows = Vec::new();
@@ -169,7 +169,7 @@ impl Bifurcation {
             .column("duration", |(.., phase)| phase.duration())
             .state(system, "_length", lengths);
         table(store, sticks_path, &columns, |block, part: Block| {
-            let number = usize::from(!self.is_up(block));
+            let number = usize::from(self.pass(block) != Pass::Up);
             let all = part
                 .found
                 .iter()

@@ -1,13 +1,14 @@
 //! `stickslip bifurcation`: attractors over one parameter, up and down.
 
 mod diagram;
+mod shares;
 
 use std::num::NonZeroUsize;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{AttractorChange, WhatChanges};
+use stickslip::analysis::{AttractorChange, SharesAt, WhatChanges};
 use stickslip::error::readable;
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments, count};
@@ -18,6 +19,7 @@ use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, place};
 use crate::sweep::Store;
 use diagram::DIRECTION_NAMES;
+use shares::{Shares, SharesArguments};
 use stickslip_model::file::System;
 use stickslip_model::study::{AtValue, Diagram, Locates, recurrence};
 
@@ -32,6 +34,10 @@ use stickslip_model::study::{AtValue, Diagram, Locates, recurrence};
 /// branch point. An equilibrium is followed to where it loses its stability, or comes to the
 /// boundary and ends or goes on in another mode. If one orbit ends and the run reaches another that
 /// begins elsewhere, both places are reported.
+///
+/// With --shares, random starts at each value also give the shares of the basins of all attractors,
+/// in shares.csv and shares.svg. An attractor keeps its band along the parameter if orbits from it
+/// lead to it at the next value, and back.
 ///
 /// Writes bifurcation.csv, sticks.csv, changes.csv and bifurcation.svg. In changes.csv `before` and
 /// `after` are the phases of the orbit that is followed through the change. If that orbit is
@@ -50,6 +56,9 @@ pub(super) struct Arguments {
     /// Changes that are located
     #[arg(long, value_name = "WHICH", value_enum, default_value_t)]
     locate: Locate,
+
+    #[command(flatten)]
+    shares: SharesArguments,
 
     #[command(flatten)]
     until: UntilArguments,
@@ -96,8 +105,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
 /// Number of parameter values in a block.
 const IN_BLOCK: usize = 10;
 
-/// Number of passes through the range: up and down.
-const DIRECTIONS: NonZeroUsize = NonZeroUsize::MIN.saturating_add(1);
+/// A pass through the range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    Up,
+    Down,
+    /// Upwards, with many starts at each value.
+    Shares,
+}
 
 /// Everything that a diagram depends on, except the system.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -109,6 +124,9 @@ pub(super) struct Bifurcation {
     /// Time after which an orbit counts as undecided.
     until: f64,
     duration: f64,
+    /// Random starts at each value, if shares are wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    shares: Option<Shares>,
     solver: SolverArguments,
 }
 
@@ -118,6 +136,9 @@ pub(super) struct Block {
     found: Vec<AtValue>,
     /// Changes from each value to the next. The first begins at the last value of the block before.
     changes: Vec<AttractorChange>,
+    /// Shares at each value, in blocks of the pass that computes them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    shares: Vec<SharesAt>,
 }
 
 impl Bifurcation {
@@ -129,6 +150,7 @@ impl Bifurcation {
             locate: arguments.locate,
             until: arguments.until.of(system),
             duration: arguments.exponent.of(system)?,
+            shares: Shares::new(&arguments.shares, system)?,
             solver: arguments.run.solver.clone(),
         };
         // Errors should be reported before the sweep, not by one of its blocks.
@@ -153,18 +175,22 @@ impl Bifurcation {
         blocks(self.values, IN_BLOCK)
     }
 
-    /// Whether a block belongs to the upward pass.
-    fn is_up(&self, block: usize) -> bool {
-        block < self.blocks().get()
+    /// The pass to which a block belongs.
+    fn pass(&self, block: usize) -> Pass {
+        match block / self.blocks().get() {
+            0 => Pass::Up,
+            1 => Pass::Down,
+            _ => Pass::Shares,
+        }
     }
 
     /// Parameter values of a block, in the order of the pass.
     fn values_of(&self, block: usize) -> impl Iterator<Item = f64> + '_ {
         let number = self.values.get();
         let first = block % self.blocks().get() * IN_BLOCK;
-        let is_up = self.is_up(block);
+        let is_down = self.pass(block) == Pass::Down;
         (first..(first + IN_BLOCK).min(number)).map(move |k| {
-            let k = if is_up { k } else { number - 1 - k };
+            let k = if is_down { number - 1 - k } else { k };
             self.parameter.at(k as f64 / (number - 1) as f64)
         })
     }
@@ -176,7 +202,8 @@ impl Sweep for Bifurcation {
     type Block = Block;
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
-        (DIRECTIONS, self.blocks())
+        let passes = if self.shares.is_some() { 3 } else { 2 };
+        (NonZeroUsize::MIN.saturating_add(passes - 1), self.blocks())
     }
 
     fn block(
@@ -185,6 +212,10 @@ impl Sweep for Bifurcation {
         index: usize,
         before: Option<Block>,
     ) -> Result<Block, Failure> {
+        if let (Pass::Shares, Some(shares)) = (self.pass(index), &self.shares) {
+            let before = before.and_then(|mut before| before.shares.pop());
+            return self.block_of_shares(shares, system, index, before);
+        }
         let options = self.solver.options()?;
         let last = before.and_then(|mut before| before.found.pop());
         let diagram = Diagram {
@@ -204,7 +235,11 @@ impl Sweep for Bifurcation {
             found.push(at);
             changes.extend(between);
         }
-        Ok(Block { found, changes })
+        Ok(Block {
+            found,
+            changes,
+            shares: Vec::new(),
+        })
     }
 
     fn report(&self, system: &System, store: &Store, out: &Path) -> Result<Report, Failure> {
@@ -297,6 +332,9 @@ impl Sweep for Bifurcation {
         let rows = rows.flat_map(|(name, way)| way.changes.iter().map(move |at| (name, at)));
         report.table(table.csv("changes", rows)?);
         report.figure("bifurcation", &self.figure(&directions, system));
+        if let Some(shares) = &self.shares {
+            self.report_shares(shares, system, store, &mut report)?;
+        }
         Ok(report)
     }
 }

@@ -1,7 +1,7 @@
 //! The distinct attractors of a system.
 
 use super::attractor::{Attractor, AttractorKind, shifts};
-use super::equilibrium::{distance_bounds, holds};
+use super::equilibrium::{distance_bounds, holds, resolves};
 use super::recurrent::is_same_set;
 use super::tolerance::SOLVER_TOLERANCES;
 use crate::analysis::cycle::{Cycle, Outline, Shooting};
@@ -30,7 +30,8 @@ const SAME_CLOSENESSES: f64 = 10.0;
 ///   another orbit midway between them;
 /// - on recurrent orbits, nearly all points lie within 5 % of their extent of one of the other's.
 ///
-/// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of their size.
+/// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of the size
+/// that each component has on the orbit.
 /// All escapes count as one attractor. So do all failures, all undecided orbits, all ends where the
 /// boundary repels, all ends at two-folds, and all starts on unstable periodic orbits.
 ///
@@ -72,6 +73,13 @@ impl<'a> Attractors<'a> {
             forcing: settings.forcing,
             attractors: Vec::new(),
         }
+    }
+
+    /// The same with attractors that are known, each of which has the number of its place.
+    #[must_use]
+    pub fn knowing(mut self, attractors: Vec<Attractor>) -> Self {
+        self.attractors = attractors;
+        self
     }
 
     /// The number, counted from 0, of the attractor that an orbit has reached; a new one gets the
@@ -125,12 +133,11 @@ impl<'a> Attractors<'a> {
         match (&one.kind, &other.kind) {
             (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => {
                 one.mode == other.mode
-                    && (self.have_same_points(&one.points, &other.points)
-                        || self.agree_within_errors(one, other))
+                    && (self.have_same_points(one, other) || self.agree_within_errors(one, other))
             }
             (AttractorKind::EquilibriumSet, AttractorKind::EquilibriumSet) => {
                 one.mode == other.mode
-                    && (self.have_same_points(&one.points, &other.points)
+                    && (self.have_same_points(one, other)
                         || self.are_joined(&one.points, &other.points, one.mode))
             }
             (
@@ -139,8 +146,7 @@ impl<'a> Attractors<'a> {
             ) => {
                 p == q
                     && one.has_sequence_of(other)
-                    && (self.have_same_points(&one.points, &other.points)
-                        || self.are_of_one_family(one, other))
+                    && (self.have_same_points(one, other) || self.are_of_one_family(one, other))
             }
             (AttractorKind::Recurrent, AttractorKind::Recurrent) => {
                 is_same_set(&one.points, &other.points)
@@ -208,29 +214,39 @@ impl<'a> Attractors<'a> {
         (shift.norm() < 0.5 * distance).then_some(orbit)
     }
 
-    /// Whether the points are the same up to a cyclic shift.
-    fn have_same_points(&self, one: &[Moment], other: &[Moment]) -> bool {
+    /// Whether the points are the same up to a cyclic shift. A component is compared with the size
+    /// that it has on the orbit: at the points of a section it may be zero, as a velocity is where
+    /// the orbit turns back.
+    fn have_same_points(&self, one: &Attractor, other: &Attractor) -> bool {
         let states = self.system.states();
+        let is_orbit = matches!(one.kind, AttractorKind::Periodic { .. });
+        let elsewhere = [one, other].into_iter().filter(|_| is_orbit);
+        let elsewhere = elsewhere.flat_map(|one| {
+            let ends = one.phases.iter().map(|phase| &phase.x_start);
+            ends.chain([&one.x]).filter(|x| x.len() == states)
+        });
+        let points = one.points.iter().map(|point| &point.x);
+        let all: Vec<&Vector> = points.chain(elsewhere).collect();
         let size = Vector::from_fn(states, |i, _| {
-            let sizes = one.iter().map(|point| point.x[i].abs());
-            sizes.fold(0.0, f64::max)
+            all.iter().map(|x| x[i].abs()).fold(0.0, f64::max)
         });
         // A component that is always zero has no size of its own.
         let least = 1e-3 * size.amax();
         let same = move |a: &Moment, b: &Moment| {
             (0..states).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
         };
-        shifts(one, other, same).next().is_some()
+        shifts(&one.points, &other.points, same).next().is_some()
     }
 
-    /// Whether two equilibria agree to within their errors. At zero they have no size for
-    /// comparison.
+    /// Whether two equilibria agree to within their errors: those of Newton's steps, or distances
+    /// that the rounded field does not resolve. At zero they have no size for comparison.
     fn agree_within_errors(&self, one: &Attractor, other: &Attractor) -> bool {
         let ([a], [b]) = (one.points.as_slice(), other.points.as_slice()) else {
             return false;
         };
         let bounds = distance_bounds(&*self.system, one.mode, [a, b]);
         bounds.is_some_and(|bounds| (&a.x - &b.x).amax() <= SAME_CLOSENESSES * bounds.amax())
+            || resolves(&*self.system, one.mode, [a, b]) == Some(false)
     }
 
     /// Whether all points between the two are equilibria.

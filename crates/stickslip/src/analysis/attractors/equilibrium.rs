@@ -76,6 +76,32 @@ pub(super) fn distance_bounds(
     Some(one?.abs() + other?.abs())
 }
 
+/// Part of the distance between two equilibria by which the field is probed. Values of a field are
+/// multiples of the rounding of its terms. Where that exceeds 1.5 such parts, none of them can be
+/// near the value that the derivative predicts.
+const PROBED_PART: f64 = 1.0 / 128.0;
+
+/// Whether the field resolves the distance between two points at which it vanishes. A small part of
+/// the way from the first to the second, Newton's step must lead back to within half of that part.
+///
+/// Where terms of a field cancel, as in `1 - (x + 1)`, it vanishes on an interval. Newton's steps
+/// are then zero at all points of it, and the points have no size for comparison at `x = 0`.
+pub(super) fn resolves(
+    system: &dyn Dynamics,
+    mode: Modes,
+    [from, to]: [&Moment; 2],
+) -> Option<bool> {
+    let moved = &from.x + (&to.x - &from.x) * PROBED_PART;
+    let part = &moved - &from.x;
+    let step = |x: Vector| {
+        let at = Moment { t: from.t, x };
+        let jacobian = jacobian_of(system, mode, &at);
+        newton_step(system, mode, &at, &jacobian, system.states())
+    };
+    let back = step(moved)? - step(from.x.clone())?;
+    Some((back + &part).norm() <= 0.5 * part.norm() && part.amax() > 0.0)
+}
+
 /// Newton's step towards an equilibrium.
 fn newton_step(
     system: &dyn Dynamics,

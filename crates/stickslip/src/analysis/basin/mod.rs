@@ -1,14 +1,36 @@
 //! Basins of attraction: which attractor each of many starts leads to.
 
+mod edge;
+mod entropy;
+mod grid;
+mod push;
+mod return_time;
+mod shares;
+mod uncertainty;
+
+pub use edge::{EdgeKind, EdgeSettings, EdgeState, edge_state};
+pub use entropy::{BasinEntropy, basin_entropy};
+pub use push::{Push, PushSettings, least_pushes};
+pub use return_time::return_time;
+pub use shares::{SharesAt, shares_along, shares_at};
+pub use uncertainty::{UncertaintyExponent, uncertainty_exponent};
+
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::attractors::{Attractor, Attractors, RecurrenceSettings, attractors_of};
+use crate::analysis::attractors::{
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractors_of,
+};
 use crate::dynamics::{AsDynamics, Components};
 use crate::error::Error;
 use crate::filippov::{ORBITS_AT_ONCE, Options, task_size};
+
+/// Whether an outcome is that of a start on a boundary itself, or too near it to be decided.
+fn is_on_boundary(kind: &AttractorKind) -> bool {
+    matches!(kind, AttractorKind::Undecided | AttractorKind::Unstable)
+}
 
 /// The attractor reached from each start.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +52,10 @@ pub struct Share {
     pub std_error: f64,
 }
 
-impl Basin {
-    /// The fraction of the starts that reaches attractor `number`.
-    pub fn share(&self, number: usize) -> Share {
-        let starts = self.reached.iter().filter(|one| **one == number).count();
-        let total = self.reached.len() as f64;
+impl Share {
+    /// So many starts of all.
+    fn of(starts: usize, all: usize) -> Self {
+        let total = all as f64;
         let part = starts as f64 / total;
         Share {
             starts,
@@ -44,12 +65,20 @@ impl Basin {
     }
 }
 
+impl Basin {
+    /// The fraction of the starts that reaches attractor `number`.
+    pub fn share(&self, number: usize) -> Share {
+        let starts = self.reached.iter().filter(|one| **one == number).count();
+        Share::of(starts, self.reached.len())
+    }
+}
+
 /// The basins of attraction of a system on a set of starts, computed on all threads. The result is
 /// bit-for-bit the same on any number of threads. Each start is integrated on its own; the
 /// attractors are distinguished afterwards, in the order of the starts.
 ///
 /// ```
-#[doc = include_str!("../../examples/common/belt.rs")]
+#[doc = include_str!("../../../examples/common/belt.rs")]
 /// use stickslip::analysis::{RecurrenceSettings, basin};
 /// use stickslip::{Options, State};
 ///
