@@ -24,6 +24,7 @@ pub(super) struct SampledStep<'a, K, const N: usize> {
     /// The terms of the solution, and a box that contains the states.
     terms: OnceCell<SolutionTerms<N>>,
     enclosure: OnceCell<[Interval; N]>,
+    wide: OnceCell<[Interval; N]>,
     /// Such boxes over the halves of the step, each followed by those over its own halves.
     parts: [OnceCell<[Interval; N]>; PARTS.len()],
 }
@@ -84,6 +85,7 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
             nodes: OnceCell::new(),
             terms: OnceCell::new(),
             enclosure: OnceCell::new(),
+            wide: OnceCell::new(),
             parts: [const { OnceCell::new() }; PARTS.len()],
         }
     }
@@ -110,6 +112,11 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
 
     fn terms(&self) -> &SolutionTerms<N> {
         self.terms.get_or_init(|| self.step.dense.terms())
+    }
+
+    /// A box that is wider, and takes less time.
+    fn wide_enclosure(&self) -> &[Interval; N] {
+        self.wide.get_or_init(|| self.step.dense.enclosure())
     }
 
     fn enclosure(&self) -> &[Interval; N] {
@@ -208,7 +215,8 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         }
         let step = self.step();
         let times = Interval::new(step.t_start, step.t_end);
-        if self.has_sign(side, times, self.over.enclosure()) {
+        let is_clear = |states: &[Interval; N]| self.has_sign(side, times, states);
+        if is_clear(self.over.wide_enclosure()) || is_clear(self.over.enclosure()) {
             return true;
         }
         let (t, x) = (step.t_end, step.x_end);
