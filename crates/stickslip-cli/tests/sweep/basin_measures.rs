@@ -226,3 +226,42 @@ fn shares_along_a_parameter_are_those_of_the_boundary() {
     ]);
     command.assert().code(2).stderr(contains("--shares"));
 }
+
+/// Shares of the fixed point as published with bSTAB's example, from 5000 random starts each, and
+/// one band for each of the two attractors.
+#[test]
+fn shares_along_the_speed_of_a_belt_are_the_published_ones() {
+    let top = folder();
+    let arguments = [
+        "bifurcation",
+        "basins",
+        "--parameter",
+        "vd=1.1:1.9",
+        "--values",
+        "17",
+        "--locate",
+        "none",
+        "--tol",
+        "1e-9",
+        "--duration",
+        "1",
+        "--shares",
+        "400",
+    ];
+    let found = json(top.path(), &arguments);
+    let bands = found["shares"].as_array().unwrap();
+    // Where the equilibrium attracts weakly, starts are undecided.
+    let attractors = bands.iter().filter(|one| !one["band"].is_null());
+    assert_eq!(attractors.count(), 2, "{found}");
+    let rest = bands
+        .iter()
+        .find(|one| one["motion"] == "equilibrium")
+        .unwrap();
+    for (k, published) in [(0, 0.0), (6, 0.213), (8, 0.304), (12, 0.4922), (16, 1.0)] {
+        let number = |name: &str| rest["shares"][k][name].as_f64().unwrap();
+        let theirs: f64 = published * (1.0 - published) / 5000.0;
+        let bound = 3.0 * (number("std_error").powi(2) + theirs).sqrt();
+        let off = (number("share") - published).abs();
+        assert!(off <= bound, "{k}: {}", rest["shares"][k]);
+    }
+}

@@ -51,7 +51,8 @@ pub struct UncertaintyExponent {
 /// // A straight boundary: of starts that are k columns apart, k in each row are uncertain.
 /// let reached: Vec<usize> = (0..128 * 128).map(|k| usize::from(k % 128 >= 50)).collect();
 /// let found = uncertainty_exponent(&reached, &[128, 128])?.unwrap();
-/// /// # Ok::<(), stickslip::Error>(())
+/// assert!((found.exponent - 1.0).abs() < 1e-12 && (found.dimension - 1.0).abs() < 1e-12);
+/// # Ok::<(), stickslip::Error>(())
 /// ```
 ///
 /// # Errors

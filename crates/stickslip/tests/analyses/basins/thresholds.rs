@@ -263,3 +263,33 @@ fn a_third_basin_between_is_named() {
         "{none:?}"
     );
 }
+
+/// The boundary between steady sliding and the stick–slip cycle of a damped block on a belt is an
+/// unstable cycle: a little inside of it orbits come to rest, a little outside they do not.
+#[test]
+fn the_edge_of_a_stick_slip_cycle_is_an_unstable_cycle() {
+    let text = "name = \"belt\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
+                boundary = \"v - 1.5\"\n\
+                friction = \"0.5 + 0.5*exp(-2*belt*(v - 1.5))\"\n\
+                [field]\nx = \"v\"\nv = \"-x - 0.1*v - friction(belt)\"\n";
+    let block = crate::lyapunov_jumps::system(text);
+    let (settings, options) = (RecurrenceSettings::within(2000.0), Options::tol(1e-11));
+    let how = EdgeSettings::within(1000.0);
+    let dynamics = block.dynamics();
+    let rest = 0.5 + 0.5 * math::exp(-3.0);
+    let (inside, outside) = ([rest, 0.0], [-1.0, 1.5]);
+    let found = edge_state(dynamics, inside, outside, &how, &settings, &options).unwrap();
+    let EdgeKind::Periodic { period } = found.kind else {
+        panic!("{:?}", found.kind);
+    };
+    assert_eq!(found.unstable, 1);
+    let kinds = found.beside.each_ref().map(|one| one.kind.word());
+    assert_eq!(kinds, ["equilibrium", "periodic"]);
+    for (part, kind) in [(1.0 - 1e-5, "equilibrium"), (1.0 + 1e-5, "periodic")] {
+        let start = [rest + part * (found.x[0] - rest), part * found.x[1]];
+        let reached = attractor(dynamics, start, &settings, &options).unwrap();
+        assert_eq!(reached.kind.word(), kind, "{part}: {}", found.x);
+    }
+    // Nearly harmonic, and below the speed of the belt throughout.
+    assert!((period / TAU - 1.0).abs() < 0.01, "{period}");
+}
