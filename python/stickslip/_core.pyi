@@ -104,7 +104,7 @@ def continuation(
     range: tuple[str, float, float],
     how: tuple[float, int],
     also: tuple[str, float, float] | None,
-    branches: bool,
+    branches: int | None,
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...

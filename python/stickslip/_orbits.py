@@ -208,8 +208,10 @@ class Branch(Result):
         Its phases in letters.
     special : Table
         Special orbits, and bifurcations at which the branch ends: ``name``, ``parameter``,
-        ``uncertainty``, ``period``, phases ``before`` and ``after``, a state ``y`` (NaN at an end),
-        and ``behind``, the number of orbits of the branch before it.
+        ``uncertainty``, ``period``, ``criticality`` of flips and Neimark-Sacker bifurcations
+        (``"supercritical"``, ``"subcritical"``, or empty where that is not determined), phases
+        ``before`` and ``after``, a state ``y`` (NaN at an end), and ``behind``, the number of
+        orbits of the branch before it.
     stops : (str, str)
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
         `most_points`, ``"closed"`` where it began, ``"flip"`` of the orbit of half the period,
@@ -219,11 +221,15 @@ class Branch(Result):
         ``"no convergence"``.
     branches : list of Branch
         With `branches`: those that begin at its flips, with twice the period, and at its branch
-        points. `begins` of each is the index of that orbit in `special`.
+        points. `begins` of each is the index of that orbit in `special`. With a `depth` above 1
+        they have `branches` of their own.
     curves : list of Curve
         With `also`: its special orbits in two parameters, except branch points.
     begins : int or None
         Index of the special orbit of another branch at which it begins.
+    bubble : int or None
+        Index of the other flip of that branch in which it ends. The same branch begins there, and
+        is in `branches` once.
     name : str
         The parameter.
     system : System
@@ -244,6 +250,7 @@ class Branch(Result):
     branches: list[Branch]
     curves: list[Curve]
     begins: int | None
+    bubble: int | None
     name: str
     system: System
 
@@ -396,9 +403,15 @@ class Curve(Result):
         Period of each orbit.
     t, y : ndarray, shapes (m,) and (m, n)
         A state on each orbit, and its time.
+    special : Table
+        Special points: their ``name``, such as ``"cusp"``, ``parameter`` and ``other`` with
+        ``uncertainty`` and ``other_uncertainty``, ``period``, ``t`` and a state ``y``, and
+        ``behind``, the number of points before it.
     stops : (str, str) or None
         Why the curve ends at its first and last point: ``"range"`` of a parameter, ``"points"``,
-        ``"another change"`` at the same orbit, ``"no convergence"``.
+        ``"closed"`` where it began, ``"flip"`` of the orbit of half the period, ``"resonance"``
+        where the multipliers of a torus become real, ``"another change"`` at the same orbit,
+        ``"no convergence"``.
     begins : int
         Index of the special orbit of the branch at which it begins.
     names : (str, str)
@@ -413,6 +426,7 @@ class Curve(Result):
     period: Floats
     t: Floats
     y: Floats
+    special: Table
     stops: tuple[str, str] | None
     begins: int
     names: tuple[str, str]
@@ -443,6 +457,9 @@ class Curve(Result):
         """Draws the curve in the plane of both parameters."""
         axes = new_axes(axes)
         axes.plot(self.parameter, self.other, label=self.what)
+        for name in dict.fromkeys(self.special["name"]):
+            there = self.special[self.special["name"] == name]
+            axes.plot(there["parameter"], there["other"], "o", label=name)
         axes.set(xlabel=self.names[0], ylabel=self.names[1])
         axes.legend()
         return axes
@@ -743,6 +760,7 @@ def continuation(
     most_points: int = 1000,
     also: tuple[str | Parameter, tuple[float, float]] | None = None,
     branches: bool = False,
+    depth: int = 1,
     progress: bool = False,
     **options: Unpack[Options],
 ) -> Branch:
@@ -771,6 +789,8 @@ def continuation(
         both parameters.
     branches : bool, optional
         Whether the branches that begin at flips and branch points are followed, too.
+    depth : int, optional
+        With `branches`: at 2 the flips of these branches are followed, too, and so on.
     progress : bool, optional
         Whether to show the number of orbits so far.
     **options : Options
@@ -811,7 +831,7 @@ def continuation(
             (name, low, high),
             (real(step, "step"), whole(most_points, "most_points", least=2)),
             second,
-            bool(branches),
+            whole(depth, "depth", least=1) if branches else None,
             settings(options),
             report,
         )
@@ -819,15 +839,29 @@ def continuation(
     first = found["first_special"]
     whole_branch: dict[str, Any] = {"name": name, "system": system}
     found = _branch(found, system)
-    found["branches"] = [
-        Branch(**_branch(one, system), branches=[], curves=[], begins=begins, **whole_branch)
-        for one in others
-        for begins in [first + one.pop("begins")]
-    ]
+    # Each begins on one before it; the rows of its special orbits may begin with an end.
+    all_branches: list[list[Branch]] = [[]]
+    firsts = [first]
+    for one in others:
+        parent, begins, to = one.pop("parent"), one.pop("begins"), one.pop("to")
+        shift = firsts[parent]
+        firsts.append(one["first_special"])
+        all_branches.append([])
+        all_branches[parent].append(
+            Branch(
+                **_branch(one, system),
+                branches=all_branches[-1],
+                curves=[],
+                begins=shift + begins,
+                bubble=None if to is None else shift + to,
+                **whole_branch,
+            )
+        )
+    found["branches"] = all_branches[0]
     kinds = found["special"]["name"]
     found["curves"] = [
         Curve(
-            **one,
+            **{**one, "special": structured(one["special"], system.states)},
             what=str(kinds[begins]),
             begins=begins,
             names=(name, "" if second is None else second[0]),
@@ -836,7 +870,7 @@ def continuation(
         for one in curves
         for begins in [first + one.pop("begins")]
     ]
-    return make_result(found, Branch, begins=None, **whole_branch)
+    return make_result(found, Branch, begins=None, bubble=None, **whole_branch)
 
 
 def _branch(found: dict[str, Any], system: System) -> dict[str, Any]:

@@ -44,6 +44,7 @@ def test_a_fold_is_followed_in_two_parameters(tmp_path):
     assert np.allclose(curve.parameter + curve.other, -1, rtol=0, atol=1e-8)
     assert np.allclose(curve.period, 2 * np.pi, rtol=0, atol=1e-8)
     assert branch.special["name"][curve.begins] == "fold" and curve.stops == ("range", "range")
+    assert len(curve.special) == 0 and set(branch.special["criticality"]) == {""}
     assert curve.plot().get_ylabel() == "q"
     assert list(curve.to_pandas())[:2] == ["p", "q"] and "y" in curve.to_xarray()
     run(tmp_path, system, "continue", "--parameter", "p=-1.5:1", "--also", "q=-0.3:0.3",

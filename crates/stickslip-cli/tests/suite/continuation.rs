@@ -326,6 +326,8 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
     assert_eq!(special["what"], "Neimark-Sacker");
     assert!(special["parameter"].as_f64().unwrap().abs() < 1e-9);
     assert!((special["angle"].as_f64().unwrap() - 0.6 * PI).abs() < 1e-8);
+    // In a linear flow nothing decides.
+    assert_eq!(special["criticality"], Value::Null);
     for table in ["branch.csv", "special.csv"] {
         let path = top.path().join("stickslip-output/continue").join(table);
         assert!(std::fs::read_to_string(path).unwrap().is_ascii(), "{table}");
@@ -509,6 +511,11 @@ fn branches_that_begin_on_a_branch_have_numbers_in_its_tables() {
     };
     let from = other["from"].as_u64().unwrap() as usize;
     assert_eq!(json["special"][from]["what"], "flip");
+    assert_eq!(json["special"][from]["criticality"], "supercritical");
+    assert_eq!(
+        (&other["parent"], &other["to"]),
+        (&Value::from(0), &Value::Null)
+    );
     assert_eq!(other["stop"], "range");
     let folder = top.path().join("stickslip-output/continue");
     let read = |name: &str| {

@@ -1,11 +1,11 @@
 //! Branches of periodic orbits along a parameter, in the time and the states of the system's file.
 
-use std::f64::consts::TAU;
+use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurveStop, CycleBifurcation, PeriodicOrbit,
-    SpecialPoint, Stop, continue_change, continue_equilibrium, switch_branches,
+    Branch, BranchPoint, ContinuationSettings, Curve, CycleBifurcation, PeriodicOrbit,
+    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium, switch_branches_to,
 };
 use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -46,6 +46,20 @@ pub struct WholeBranch {
     pub first: usize,
     /// Reasons for the ends of the branch, downwards and upwards.
     pub stops: [Stop; 2],
+}
+
+/// A branch that begins at a special orbit of another one.
+pub struct SideBranch {
+    /// Number of the branch on which it begins: 0 for the first, then those of
+    /// [`Along::side_branches`] in their order, from 1.
+    pub parent: usize,
+    /// Index of the special orbit of that branch at which it begins.
+    pub from: usize,
+    /// Index of the other flip of that branch in which it ends: the orbits are a bubble between
+    /// both.
+    pub to: Option<usize>,
+    /// The branch.
+    pub branch: WholeBranch,
 }
 
 impl<'a> Along<'a> {
@@ -138,42 +152,99 @@ impl<'a> Along<'a> {
     /// # Errors
     /// Those of the parameters.
     pub fn curve_in_file(&self, other: &str, mut curve: Curve) -> Result<Curve, SettingError> {
+        let pace = |[second, own]: [f64; 2]| self.pace(&[(other, second), (self.name, own)]);
         for point in &mut curve.points {
-            let [second, own] = point.parameters;
-            let pace = self.pace(&[(other, second), (self.name, own)])?;
+            let pace = pace(point.parameters)?;
+            point.period *= pace;
+            point.t *= pace;
+        }
+        for point in &mut curve.special {
+            let pace = pace(point.parameters)?;
             point.period *= pace;
             point.t *= pace;
         }
         Ok(curve)
     }
 
-    /// The branches that begin at a flip or branch point of a branch, in the time of the branch;
-    /// `x` is the start of [`Along::start`].
+    /// The branches that begin at a flip or branch point of a branch, and at their flips to a
+    /// depth, in the time of the branch; `x` is the start of [`Along::start`]. `None` if none was
+    /// found.
     ///
     /// # Errors
-    /// Those of [`switch_branches`].
+    /// Those of [`switch_branches_to`].
     pub fn switched(
         &self,
         (period, x): (f64, &Vector),
         (branch, number): (&WholeBranch, usize),
-        settings: &ContinuationSettings,
+        (settings, depth): (&ContinuationSettings, NonZeroUsize),
         options: &Options,
-    ) -> Result<Vec<Branch>, Error> {
+    ) -> Result<Option<SwitchedBranch>, Error> {
         let junctions: Vec<&SpecialPoint> = branch.junctions().map(|(_, at)| at).collect();
         let (upwards, counted) = branch.counted(&junctions, number);
         let way = (period, upwards, counted);
-        match switch_branches(&self.dynamics, x, way, settings, options) {
-            Err(Error::NotFound { .. }) => Ok(Vec::new()),
-            switched => Ok(switched?.branches),
+        match switch_branches_to(&self.dynamics, x, way, (settings, depth), options) {
+            Err(Error::NotFound { .. }) => Ok(None),
+            switched => Ok(Some(switched?)),
         }
     }
 
-    /// A branch that was switched to, with the extremes of each orbit. Downwards it ends with its
-    /// first orbit.
+    /// The branches that were switched to at special orbits of a branch, each with the index of
+    /// that orbit, and those that begin on them. No branch is there twice: one that ends in another
+    /// flip is kept from the first of both. Downwards each ends with its first orbit.
     ///
     /// # Errors
     /// Those of [`Along::joined`].
-    pub fn side_branch<E: From<Error> + From<SettingError> + Send>(
+    pub fn side_branches<E: From<Error> + From<SettingError> + Send>(
+        &self,
+        main: &WholeBranch,
+        switched: Vec<(usize, SwitchedBranch)>,
+        options: &Options,
+    ) -> Result<Vec<SideBranch>, E> {
+        let mut all: Vec<SideBranch> = Vec::new();
+        let mut level = vec![(0, switched)];
+        // Those of one depth come before those of the next.
+        while !level.is_empty() {
+            let mut next = Vec::new();
+            for (parent, switched) in level {
+                let mut kept: Vec<&SwitchedBranch> = Vec::new();
+                for (from, one) in &switched {
+                    if kept.iter().any(|other| other.is_bubble_to(&one.at)) {
+                        continue;
+                    }
+                    kept.push(one);
+                    let special = match parent {
+                        0 => &main.special,
+                        number => &all[number - 1].branch.special,
+                    };
+                    let others = special.iter().enumerate();
+                    let mut others = others.filter(|(k, at)| k != from && one.is_bubble_to(at));
+                    let to = others.next().map(|(k, _)| k);
+                    for (way, further) in one.branches.iter().zip(&one.further) {
+                        let branch = self.side_branch::<E>(way.clone(), options)?;
+                        let place = |of: &SwitchedBranch| {
+                            let is_it = |at: &SpecialPoint| at.parameter == of.at.parameter;
+                            Some((branch.special.iter().position(is_it)?, of.clone()))
+                        };
+                        let further: Vec<_> = further.iter().filter_map(place).collect();
+                        all.push(SideBranch {
+                            parent,
+                            from: *from,
+                            to,
+                            branch,
+                        });
+                        if !further.is_empty() {
+                            next.push((all.len(), further));
+                        }
+                    }
+                }
+            }
+            level = next;
+        }
+        Ok(all)
+    }
+
+    /// A branch that was switched to, with the extremes of each orbit.
+    fn side_branch<E: From<Error> + From<SettingError> + Send>(
         &self,
         way: Branch,
         options: &Options,
@@ -322,55 +393,6 @@ fn whole(ended: Summary, period: f64) -> Result<Summary, Error> {
     }
 }
 
-/// A special orbit of a branch, or a bifurcation in which it ends, as a row of a table.
-#[derive(Clone, Debug, Default)]
-pub struct SpecialRow {
-    /// Name.
-    pub name: String,
-    /// The parameter.
-    pub parameter: f64,
-    /// Uncertainty, if it is known.
-    pub uncertainty: Option<f64>,
-    /// The period, if it is finite and known.
-    pub period: Option<f64>,
-    /// The angle of the multipliers at a Neimark–Sacker bifurcation.
-    pub angle: Option<f64>,
-    /// The contacts whose event functions vanish at a change of the phases.
-    pub contacts: String,
-    /// The phases before and after it.
-    pub phases: [String; 2],
-    /// The state; empty at an end.
-    pub x: Vec<f64>,
-    /// Number of orbits of the branch before it.
-    pub behind: usize,
-}
-
-impl SpecialRow {
-    fn of(at: &SpecialPoint, system: &System) -> Self {
-        let row = SpecialRow {
-            name: at.what.to_string(),
-            parameter: at.parameter,
-            uncertainty: Some(at.uncertainty),
-            period: Some(at.period),
-            x: at.x.as_slice().to_vec(),
-            behind: at.behind,
-            ..SpecialRow::default()
-        };
-        match &at.what {
-            CycleBifurcation::NeimarkSacker { angle } => SpecialRow {
-                angle: Some(*angle),
-                ..row
-            },
-            CycleBifurcation::Sequence(change) => SpecialRow {
-                contacts: system.contact_names(&change.contacts),
-                phases: [&change.before, &change.after].map(|phases| system.sequence(phases)),
-                ..row
-            },
-            _ => row,
-        }
-    }
-}
-
 impl WholeBranch {
     /// The special orbits at which other branches begin: flips and branch points, each with its
     /// index among all special orbits.
@@ -391,102 +413,5 @@ impl WholeBranch {
         let below = among.iter().filter(|at| !is_above(at)).count();
         let upwards = is_above(among[k]);
         (upwards, if upwards { k - below } else { below - 1 - k })
-    }
-
-    /// Ends of the branch, downwards and upwards, with their reasons.
-    pub fn ends(&self) -> [BranchEnd; 2] {
-        self.stops.each_ref().map(BranchEnd::from)
-    }
-
-    /// The special orbits, and the ends that are bifurcations, from the lower to the upper end.
-    pub fn special_rows(&self, system: &System) -> Vec<SpecialRow> {
-        let [first, last] = self.ends().map(|end| end.bifurcation);
-        let last = last.map(|row| SpecialRow {
-            behind: self.points.len(),
-            ..row
-        });
-        let special = self.special.iter().map(|at| SpecialRow::of(at, system));
-        first.into_iter().chain(special).chain(last).collect()
-    }
-}
-
-/// Word for the end of a curve in two parameters.
-pub fn word_of_curve_stop(stop: CurveStop) -> &'static str {
-    match stop {
-        CurveStop::Range => "range",
-        CurveStop::Points => "points",
-        CurveStop::AnotherChange => "another change",
-        CurveStop::NoConvergence => "no convergence",
-    }
-}
-
-/// The end of a branch, for programs.
-#[derive(Clone, Debug)]
-pub struct BranchEnd {
-    /// Reason for the end.
-    pub word: &'static str,
-    /// The bifurcation in which it ends, if it does.
-    pub bifurcation: Option<SpecialRow>,
-}
-
-impl From<&Stop> for BranchEnd {
-    fn from(stop: &Stop) -> Self {
-        let plain = |word| BranchEnd {
-            word,
-            bifurcation: None,
-        };
-        let located = |word, name: &str, parameter, uncertainty, period| BranchEnd {
-            word,
-            bifurcation: Some(SpecialRow {
-                name: name.to_owned(),
-                parameter,
-                uncertainty,
-                period,
-                ..SpecialRow::default()
-            }),
-        };
-        match *stop {
-            Stop::Range => plain("range"),
-            Stop::Points => plain("points"),
-            Stop::Closed => plain("closed"),
-            Stop::Rest => plain("rest"),
-            Stop::Refused(_) => plain("friction"),
-            Stop::SequenceEnds => plain("sequence ends"),
-            Stop::NoConvergence => plain("no convergence"),
-            Stop::Flip {
-                parameter,
-                uncertainty,
-            } => located("flip", "flip", parameter, Some(uncertainty), None),
-            Stop::Equilibrium {
-                parameter,
-                frequency,
-            } => located(
-                "equilibrium",
-                "Hopf",
-                parameter,
-                None,
-                Some(TAU / frequency),
-            ),
-            Stop::BoundaryEquilibrium { parameter } => {
-                let word = "boundary equilibrium";
-                located(word, word, parameter, None, None)
-            }
-            Stop::TwoFold {
-                parameter,
-                uncertainty,
-            } => located("two-fold", "two-fold", parameter, Some(uncertainty), None),
-            Stop::Homoclinic {
-                parameter,
-                uncertainty,
-                saddles,
-                ..
-            } => {
-                let name = match saddles.get() {
-                    1 => "homoclinic",
-                    _ => "heteroclinic",
-                };
-                located("homoclinic", name, parameter, Some(uncertainty), None)
-            }
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! Studies of a system from a file, shared by the program and the Python package.
 
 mod branch;
+mod branch_rows;
 mod derivatives;
 mod diagram;
 pub mod ensemble;
@@ -21,7 +22,8 @@ mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
-pub use branch::{Along, BranchEnd, BranchOrbit, SpecialRow, WholeBranch, word_of_curve_stop};
+pub use branch::{Along, BranchOrbit, SideBranch, WholeBranch};
+pub use branch_rows::{BranchEnd, SpecialRow, criticality_of, word_of_curve_stop};
 pub use derivatives::{DerivativeError, NoVariable, START_TIME, Variables};
 pub use diagram::{AtValue, Diagram, Locates};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};

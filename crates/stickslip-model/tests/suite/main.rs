@@ -5,6 +5,7 @@ mod bad_files;
 mod blocks;
 mod branches;
 mod choices;
+mod curve_points;
 mod curves;
 mod derivatives;
 mod ensemble;

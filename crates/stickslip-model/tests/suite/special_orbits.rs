@@ -13,7 +13,7 @@ use stickslip_model::study::{Along, PeriodicSearch};
 
 use crate::run::{SEARCH, branch, options, orbit, orbit_from, system, with};
 
-type Range<'a> = (&'a str, f64, f64);
+pub type Range<'a> = (&'a str, f64, f64);
 
 /// All that an analysis finds from the special orbits of a branch, in both directions, until there
 /// is no further one.
@@ -36,7 +36,7 @@ fn over(low: f64, high: f64, step: f64) -> ContinuationSettings {
 }
 
 /// The curves in two parameters of the special orbits on a branch.
-fn curves(
+pub fn curves(
     system: &System,
     (name, low, high): Range,
     (other, other_low, other_high): Range,
@@ -57,7 +57,7 @@ fn curves(
 }
 
 /// The branches that begin at special orbits of the branch of an orbit.
-fn side_branches(
+pub fn side_branches(
     system: &System,
     orbit: &PeriodicOrbit,
     (name, low, high): Range,
@@ -237,7 +237,7 @@ fn a_change_is_followed_in_two_parameters_along_its_closed_form() {
 }
 
 /// `u' = p + q u - u³` about `cos t`, without a contact: folds where `p² = 4 (q/3)³`.
-const CUSP: &str = include_str!("../data/cusp.toml");
+pub const CUSP: &str = include_str!("../data/cusp.toml");
 
 #[test]
 fn folds_are_followed_in_two_parameters_round_their_cusp() {
@@ -260,10 +260,10 @@ fn folds_are_followed_in_two_parameters_round_their_cusp() {
 
 /// About `(cos t, sin t)`, in a frame that rotates half as fast, deviations have the rates `p u -
 /// u³` and `-w`. At p = 0 the period doubles, to orbits at `u² = p`.
-const DOUBLED: &str = include_str!("../data/doubled.toml");
+pub const DOUBLED: &str = include_str!("../data/doubled.toml");
 
 /// The orbit of one period of the drive.
-fn of_one_period(system: &System) -> PeriodicOrbit {
+pub fn of_one_period(system: &System) -> PeriodicOrbit {
     let search = PeriodicSearch {
         periods: Some(1),
         ..SEARCH

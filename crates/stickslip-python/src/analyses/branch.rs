@@ -1,5 +1,6 @@
 //! The branch of periodic orbits along a parameter.
 
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
 use pyo3::prelude::*;
@@ -11,7 +12,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Along, WholeBranch, word_of_curve_stop};
+use stickslip_model::study::{Along, SideBranch, WholeBranch, word_of_curve_stop};
 
 use super::Start;
 use super::orbits::{Search, approached};
@@ -76,7 +77,7 @@ pub(crate) fn continuation<'py>(
     range: (String, f64, f64),
     how: (f64, usize),
     also: Option<(String, f64, f64)>,
-    branches: bool,
+    branches: Option<NonZeroUsize>,
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -84,7 +85,11 @@ pub(crate) fn continuation<'py>(
     let (parameter, low, high) = range;
     let (compiled, options) = (&system.compiled, settings.options()?);
     // A branch has two directions, and what begins on it may take all threads.
-    let threads = if also.is_some() || branches { 0 } else { 2 };
+    let threads = if also.is_some() || branches.is_some() {
+        0
+    } else {
+        2
+    };
     let outcome = computed(py, threads, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;
@@ -103,8 +108,11 @@ pub(crate) fn continuation<'py>(
             others: Vec::new(),
             curves: Vec::new(),
         };
-        if branches && !task.is_stopped() {
-            begun.others = others(&along, &begun.branch, (&forced, &options), begin)?;
+        if let Some(depth) = branches
+            && !task.is_stopped()
+        {
+            let how = (&forced, depth, &options);
+            begun.others = others(&along, &begun.branch, how, begin)?;
         }
         if let Some((name, low, high)) = &also
             && !task.is_stopped()
@@ -126,9 +134,11 @@ pub(crate) fn continuation<'py>(
     })?;
     let (begun, raised) = outcome.kept(|error| error.raised(compiled))?;
     let fields = described(py, compiled, &begun.branch)?;
-    let others = begun.others.iter().map(|(from, branch)| {
-        let other = described(py, compiled, branch)?;
-        other.put("begins", *from)?;
+    let others = begun.others.iter().map(|one| {
+        let other = described(py, compiled, &one.branch)?;
+        other.put("parent", one.parent)?;
+        other.put("begins", one.from)?;
+        other.put("to", one.to)?;
         other.ended(None)
     });
     fields.put("branches", others.collect::<PyResult<Vec<_>>>()?)?;
@@ -138,10 +148,10 @@ pub(crate) fn continuation<'py>(
     fields.ended(raised)
 }
 
-/// A branch, and what begins at its special orbits, each with the index of that orbit.
+/// A branch, and what begins at its special orbits: curves with the index of that orbit.
 struct Begun {
     branch: WholeBranch,
-    others: Vec<(usize, WholeBranch)>,
+    others: Vec<SideBranch>,
     curves: Vec<(usize, Option<Curve>)>,
 }
 
@@ -152,23 +162,21 @@ struct Second<'a> {
     system: &'a CompiledSystem,
 }
 
-/// The branches that begin at flips and branch points.
+/// The branches that begin at flips and branch points, and at their flips to a depth.
 fn others(
     along: &Along<'_>,
     branch: &WholeBranch,
-    (settings, options): (&ContinuationSettings, &Options),
+    (settings, depth, options): (&ContinuationSettings, NonZeroUsize, &Options),
     (orbit, x): (&PeriodicOrbit, &Vector),
-) -> Result<Vec<(usize, WholeBranch)>, Failure> {
+) -> Result<Vec<SideBranch>, Failure> {
     let junctions: Vec<usize> = branch.junctions().map(|(from, _)| from).collect();
     let switched = junctions.par_iter().enumerate().map(|(k, &from)| {
-        let ways = along.switched((orbit.period, x), (branch, k), settings, options)?;
-        let joined = ways
-            .into_iter()
-            .map(|way| Ok((from, along.side_branch::<Failure>(way, options)?)));
-        joined.collect::<Result<Vec<_>, Failure>>()
+        let how = (settings, depth);
+        let switched = along.switched((orbit.period, x), (branch, k), how, options)?;
+        Ok::<_, Failure>(switched.map(|switched| (from, switched)))
     });
     let switched = switched.collect::<Result<Vec<_>, Failure>>()?;
-    Ok(switched.into_iter().flatten().collect())
+    along.side_branches(branch, switched.into_iter().flatten().collect(), options)
 }
 
 /// The curves of the special orbits in two parameters, except branch points.
@@ -214,6 +222,24 @@ fn described_curve<'py>(
         .iter()
         .flat_map(|at| at.x.iter().take(states).copied());
     fields.array("y", own.collect(), [states])?;
+    let special = curve.map_or(&[][..], |curve| &curve.special);
+    let table = Fields::new(py);
+    table.texts("name", special.iter().map(|at| at.what.to_string()))?;
+    table.numbers("parameter", special.iter().map(|at| at.parameters[1]))?;
+    table.numbers("other", special.iter().map(|at| at.parameters[0]))?;
+    table.numbers("uncertainty", special.iter().map(|at| at.uncertainties[1]))?;
+    table.numbers(
+        "other_uncertainty",
+        special.iter().map(|at| at.uncertainties[0]),
+    )?;
+    table.numbers("period", special.iter().map(|at| at.period))?;
+    table.numbers("t", special.iter().map(|at| at.t))?;
+    let y = special
+        .iter()
+        .flat_map(|at| at.x.iter().take(states).copied());
+    table.array("y", y.collect(), [states])?;
+    table.integers("behind", special.iter().map(|at| at.behind as i64))?;
+    fields.fields("special", table)?;
     let stops = curve.map(|curve| curve.stops.map(word_of_curve_stop));
     fields.put("stops", stops.map(|[first, last]| (first, last)))?;
     fields.ended(None)
@@ -249,6 +275,7 @@ fn described<'py>(
     table.numbers("parameter", special.iter().map(|at| at.parameter))?;
     table.optional_numbers("uncertainty", special.iter().map(|at| at.uncertainty))?;
     table.optional_numbers("period", special.iter().map(|at| at.period))?;
+    table.texts("criticality", special.iter().map(|at| &at.criticality))?;
     table.texts("before", special.iter().map(|at| &at.phases[0]))?;
     table.texts("after", special.iter().map(|at| &at.phases[1]))?;
     let nowhere = vec![f64::NAN; states];

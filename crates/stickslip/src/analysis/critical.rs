@@ -58,6 +58,38 @@ impl Critical {
     }
 }
 
+/// Two multipliers with a product near 1: a pair of complex ones near the unit circle, or two real
+/// ones, into which such a pair turns where it meets at 1 or −1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    /// The product, less 1.
+    pub beyond: f64,
+    pub sum: f64,
+}
+
+impl Pair {
+    /// The pair whose sum and product are nearest to a given sum and to 1.
+    pub fn near(of: &Critical, sum: f64) -> Option<Self> {
+        let all = of.multipliers.iter().enumerate();
+        let pairs = all.flat_map(|(k, one)| {
+            let others = of.multipliers[k + 1..].iter();
+            // Two real ones, or one with its conjugate.
+            let pairs = others.filter(|other| (one.im == 0.0) == (other.im == 0.0));
+            pairs.map(move |other| (one * other, one + other))
+        });
+        let pairs = pairs.filter(|(product, sum)| product.im == 0.0 && sum.im == 0.0);
+        let pairs = pairs.map(|(product, sum)| Pair {
+            beyond: product.re - 1.0,
+            sum: sum.re,
+        });
+        let off = |pair: &Pair| pair.beyond.abs() + (pair.sum - sum).abs();
+        pairs.min_by(|a, b| off(a).total_cmp(&off(b)))
+    }
+}
+
+/// Distance of two iterates at which [`zero_between`] ends, relative to the place or absolute.
+pub(super) const RESOLVED_PLACE: f64 = 1e-13;
+
 /// The zero between two points of opposite sign, by regula falsi with the Illinois rule. At a
 /// branch point no orbit can be computed; the function is then evaluated next to it.
 pub(super) fn zero_between(
@@ -73,7 +105,7 @@ pub(super) fn zero_between(
     let (width, size) = (b - a, at_a.abs().min(at_b.abs()));
     for _ in 0..MOST_STEPS {
         let zero = b - at_b * (b - a) / (at_b - at_a);
-        if (zero - b).abs() <= 1e-13 * (1.0 + b.abs()) {
+        if (zero - b).abs() <= RESOLVED_PLACE * (1.0 + b.abs()) {
             return Some(zero);
         }
         let mut points = [0.0, SIDE_STEP, -SIDE_STEP]

@@ -13,6 +13,7 @@ mod least_squares;
 mod lyapunov;
 mod monodromy;
 mod multipliers;
+mod normal_form;
 mod passages;
 mod periodic;
 mod periodic_derivatives;
@@ -34,10 +35,11 @@ pub use bifurcation::{
     locate_changes, locate_changes_within, sweep,
 };
 pub use continuation::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CurvePoint, CurveStop, CycleBifurcation,
-    EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, PartialBranch, SpecialEquilibrium,
-    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium,
-    continue_periodic_orbit, switch_branches,
+    Branch, BranchPoint, ContinuationSettings, Curve, CurveBifurcation, CurvePoint,
+    CurveSpecialPoint, CurveStop, CycleBifurcation, EquilibriumBifurcation, EquilibriumBranch,
+    EquilibriumPoint, PartialBranch, SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch,
+    continue_change, continue_equilibrium, continue_periodic_orbit, switch_branches,
+    switch_branches_to,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{
@@ -54,6 +56,7 @@ pub use lyapunov::{
 };
 pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
+pub use normal_form::{Criticality, NormalForm};
 pub use periodic::{
     PeriodicOrbit, find_periodic_orbit, multiplier_uncertainties, periodic_orbit,
     periodic_orbit_forced, with_shortest_period,

@@ -1,5 +1,6 @@
 //! The branch through an orbit in both directions, and the curves and branches that begin on it.
 
+use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -11,7 +12,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip_model::file::System;
-use stickslip_model::study::{Along, WholeBranch};
+use stickslip_model::study::{Along, SideBranch, WholeBranch};
 
 use super::super::range::ParameterRange;
 use super::saving::{BranchSaver, saved, saved_or_computed};
@@ -23,13 +24,6 @@ use output::terminal::Status;
 /// curve in two parameters, and the branches that begin there.
 const CURVES: usize = super::DIRECTIONS.get();
 const BRANCHES: usize = CURVES + 1;
-
-/// A branch that begins at a special orbit of the branch with the number 0.
-pub(super) struct SideBranch {
-    /// Index of that orbit among the special ones, from 0.
-    pub(super) from: usize,
-    pub(super) branch: WholeBranch,
-}
 
 /// A second parameter, for curves of special orbits.
 pub(super) struct SecondParameter {
@@ -162,29 +156,29 @@ impl<'a> BranchStart<'a> {
         followed.into_par_iter().map(curve).collect()
     }
 
-    /// The branches that begin at flips and branch points of a branch, in their order.
+    /// The branches that begin at flips and branch points of a branch, and at their flips to a
+    /// depth.
     pub(super) fn side_branches(
         &self,
         orbit: &PeriodicOrbit,
         branch: &WholeBranch,
-        (settings, options): (&ContinuationSettings, &Options),
+        (settings, depth, options): (&ContinuationSettings, NonZeroUsize, &Options),
         writer: &Writer,
     ) -> Result<Vec<SideBranch>, Failure> {
         let (settings, x) = self.along.start(orbit, settings, options, None)?;
         let junctions: Vec<usize> = branch.junctions().map(|(from, _)| from).collect();
+        let by = depth.to_string();
         let switched = |(k, &from): (usize, &usize)| {
-            let branches = saved_or_computed(writer, (BRANCHES + 2 * from, ""), || {
+            let switched = saved_or_computed(writer, (BRANCHES + 2 * from, &by), || {
                 let (along, begin) = (&self.along, (orbit.period, &x));
-                Ok(along.switched(begin, (branch, k), &settings, options)?)
+                let how = (&settings, depth);
+                Ok(along.switched(begin, (branch, k), how, options)?)
             })?;
-            let joined = branches.into_iter().map(|way| {
-                let branch = self.along.side_branch::<Failure>(way, options)?;
-                Ok(SideBranch { from, branch })
-            });
-            joined.collect::<Result<Vec<_>, Failure>>()
+            Ok(switched.map(|switched| (from, switched)))
         };
         let junctions = junctions.par_iter().enumerate();
-        let others: Result<Vec<_>, Failure> = junctions.map(switched).collect();
-        Ok(others?.into_iter().flatten().collect())
+        let switched: Result<Vec<_>, Failure> = junctions.map(switched).collect();
+        let switched = switched?.into_iter().flatten().collect();
+        self.along.side_branches(branch, switched, options)
     }
 }

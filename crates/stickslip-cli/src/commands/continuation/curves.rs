@@ -1,8 +1,11 @@
 //! Special orbits in two parameters.
 
-use plot::{BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, ORANGE, PURPLE, Panel, VERMILLION};
+use plot::{
+    BLACK, BLUE, Curve as Line, Figure, GREEN, Legend, Markers, ORANGE, PURPLE, Panel, Shape,
+    VERMILLION,
+};
 use serde_json::json;
-use stickslip::analysis::{Curve, CurvePoint, CurveStop, SpecialPoint};
+use stickslip::analysis::{Curve, CurvePoint, CurveSpecialPoint, CurveStop, SpecialPoint};
 use stickslip::error::readable;
 use stickslip_model::file::System;
 use stickslip_model::study::word_of_curve_stop;
@@ -12,9 +15,9 @@ use super::super::range::ParameterRange;
 use super::branch::SecondParameter;
 use super::special::{json as special_json, words as special_words};
 use crate::failure::Failure;
-use crate::render::{Report, Table};
+use crate::render::{Report, Table, place};
 
-/// Reports the curves, and writes `curves.csv` and `curves.svg`.
+/// Reports the curves, and writes `curves.csv`, `curves-special.csv` and `curves.svg`.
 pub(super) fn report(
     report: &mut Report,
     system: &System,
@@ -42,6 +45,11 @@ pub(super) fn report(
             }
             _ => format!("in {name} and {other}, {what}: no curve was found"),
         });
+        let special = curve.iter().flat_map(|curve| &curve.special);
+        for one in special.clone() {
+            let [q, p] = [0, 1].map(|k| place(one.parameters[k], one.uncertainties[k]));
+            report.note(format!("  at {other} = {q}, {name} = {p}: {}", one.what));
+        }
         let mut object = special_json(at, system);
         object["points"] = json!(points.len());
         object["stops"] = json!(
@@ -49,6 +57,18 @@ pub(super) fn report(
                 .as_ref()
                 .map(|curve| curve.stops.map(word_of_curve_stop))
         );
+        let special = special.map(|one| {
+            json!({
+                "what": one.what.to_string(),
+                "parameters": one.parameters,
+                "uncertainties": one.uncertainties,
+                "behind": one.behind,
+                "period": one.period,
+                "t": one.t,
+                "x": one.x.as_slice()[..system.states()],
+            })
+        });
+        object["special"] = special.collect();
         objects.push(object);
     }
     report.field("also", &also.range);
@@ -71,6 +91,28 @@ pub(super) fn report(
             row.2.x.as_slice()[..states].to_vec()
         });
     report.table(table.csv("curves", rows)?);
+    let rows = curves.iter().enumerate().flat_map(|(number, (at, curve))| {
+        let special = curve.iter().flat_map(|curve| &curve.special);
+        special.map(move |one| (number, at.what.to_string(), one))
+    });
+    let table = Table::new()
+        .column("curve", |row: &(usize, String, &CurveSpecialPoint)| row.0)
+        .column("of", |row| row.1.clone())
+        .column("behind", |row| row.2.behind)
+        .column("what", |row| row.2.what.to_string())
+        .column(other, |row| row.2.parameters[0])
+        .column(name, |row| row.2.parameters[1])
+        .column(&format!("uncertainty_{other}"), |row| {
+            row.2.uncertainties[0]
+        })
+        .column(&format!("uncertainty_{name}"), |row| row.2.uncertainties[1])
+        .column("period", |row| row.2.period)
+        .column("t", |row| row.2.t)
+        .state(system, "", |row| {
+            let states = system.states();
+            row.2.x.as_slice()[..states].to_vec()
+        });
+    report.table(table.csv("curves-special", rows)?);
     report.figure("curves", &diagram(system, range, also, curves));
     Ok(())
 }
@@ -80,6 +122,9 @@ fn described(stop: CurveStop) -> &'static str {
     match stop {
         CurveStop::Range => "(an end of a range)",
         CurveStop::Points => "(the largest number of orbits)",
+        CurveStop::Closed => "(its first orbit: it is closed)",
+        CurveStop::Flip => "(a flip of the orbit of half the period)",
+        CurveStop::Resonance => "(its pair of multipliers becomes real)",
         CurveStop::AnotherChange => "(another change occurs at the same orbit)",
         CurveStop::NoConvergence => "(no further orbit was found)",
     }
@@ -93,12 +138,20 @@ fn diagram(
     curves: &[(SpecialPoint, Option<Curve>)],
 ) -> Figure {
     const COLORS: [plot::Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK];
+    const SHAPES: [Shape; 5] = [
+        Shape::Circle,
+        Shape::Diamond,
+        Shape::Up,
+        Shape::Down,
+        Shape::Square,
+    ];
     let title = format!(
         "{}: special periodic orbits in two parameters",
         system.file.name
     );
     let description = format!(
-        "Curves of special periodic orbits of {}, over {} from {} to {} and {} from {} to {}.",
+        "Curves of special periodic orbits of {}, over {} from {} to {} and {} from {} to {}, with \
+         marks at their own special points.",
         system.file.name,
         range.name,
         range.low,
@@ -122,6 +175,24 @@ fn diagram(
         let what = at.what.to_string();
         let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
         panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
+    }
+    let special = || {
+        let curves = curves.iter().filter_map(|(_, curve)| curve.as_ref());
+        curves.flat_map(|curve| &curve.special)
+    };
+    let mut names: Vec<String> = Vec::new();
+    for one in special() {
+        let name = one.what.to_string();
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    for (number, name) in names.iter().enumerate() {
+        let there = special().filter(|one| one.what.to_string() == *name);
+        let points = there.map(|one| (one.parameters[1], one.parameters[0]));
+        let shape = SHAPES[number % SHAPES.len()];
+        let markers = Markers::new(points.collect::<Vec<_>>()).shape(shape);
+        panel.add(markers.color(BLACK).size(6.0).legend(name));
     }
     let panel = panel.legend(Legend::Below);
     Figure::new("curves", (640.0, 420.0), &title, &description).row(1.0, panel)

@@ -35,16 +35,19 @@ use output::terminal::with_spinner;
 /// are located, too: equilibria, on a boundary or off it, two-folds, homoclinic orbits, and rest.
 /// The period of a drive may depend on the parameter.
 ///
-/// --also follows each of these special orbits, except branch points, in two parameters. --branches
+/// --also follows each of these special orbits, except branch points, in two parameters, and names
+/// special points on the curves: cusps, resonances, and where two conditions meet. --branches
 /// adds a column `branch` to the tables: 0 is the branch through the orbit, and the others are in
 /// the order of their beginnings. The column `branches` of special.csv has the numbers of the
-/// branches that begin at an orbit. A branch of one orbit could not be followed from there.
+/// branches that begin at an orbit. A branch of one orbit could not be followed from there. With
+/// --depth 2 the flips of these branches are followed, too, and so on. A bubble, a branch that ends
+/// in another flip of the branch on which it begins, is listed once.
 ///
 /// --equilibrium follows the equilibrium that the run approaches, also into the sliding field and
 /// out of it. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
 ///
-/// Writes branch.csv, special.csv and continue.svg; with --also curves.csv and curves.svg; with
-/// --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg.
+/// Writes branch.csv, special.csv and continue.svg; with --also curves.csv, curves-special.csv and
+/// curves.svg; with --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg.
 ///
 /// The branch is saved in sweep/ as it is followed, each curve and each further branch when it is
 /// complete. After a kill, the same command resumes from there. --also or --branches can be added
@@ -64,6 +67,11 @@ pub(super) struct Arguments {
     #[arg(long)]
     branches: bool,
 
+    /// How often --branches goes on: at 2 the flips of these branches are followed, too, and so on
+    #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1")]
+    #[arg(requires = "branches")]
+    depth: NonZeroUsize,
+
     /// First and longest step, as a fraction of the range and of the orbit's size
     #[arg(long, value_name = "PART", default_value_t = 0.02)]
     step: f64,
@@ -73,7 +81,7 @@ pub(super) struct Arguments {
     points: NonZeroUsize,
 
     /// Follow the equilibrium that the run approaches, or with --transient 0 the one near the start
-    #[arg(long, conflicts_with_all = ["also", "branches", "periods", "longest"])]
+    #[arg(long, conflicts_with_all = ["also", "branches", "depth", "periods", "longest"])]
     equilibrium: bool,
 
     #[command(flatten)]
@@ -176,7 +184,8 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
     })?;
     let others = arguments.branches.then(|| {
         with_spinner("following the other branches", |_| {
-            begin.side_branches(&orbit, &branch, (&settings, options), &writer)
+            let how = (&settings, arguments.depth, options);
+            begin.side_branches(&orbit, &branch, how, &writer)
         })
     });
     let others = others.transpose()?;

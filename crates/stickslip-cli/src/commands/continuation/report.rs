@@ -2,13 +2,13 @@
 //! figure.
 
 use serde_json::{Value, json};
+use stickslip::analysis::SpecialPoint;
 use stickslip::error::readable;
 use stickslip_model::file::System;
-use stickslip_model::study::{BranchOrbit, WholeBranch};
+use stickslip_model::study::{BranchOrbit, SideBranch, WholeBranch};
 
 use super::super::attractors::family_words;
 use super::super::range::ParameterRange;
-use super::branch::SideBranch;
 use super::ends::EndDescription;
 use super::figure;
 use super::special::{json as special_json, words};
@@ -61,7 +61,11 @@ pub(super) fn of(
     report_ends(&mut report, system, name, branch);
     if let Some(others) = others {
         let objects = (1..).zip(others).map(|other| {
-            let (note, object) = of_other(other, branch, system, name);
+            let parent = match other.1.parent {
+                0 => branch,
+                number => &others[number - 1].branch,
+            };
+            let (note, object) = of_other(other, parent, system, name);
             report.note(note);
             object
         });
@@ -77,10 +81,7 @@ pub(super) fn of(
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
     let points: Vec<(usize, &BranchOrbit)> = points.collect();
     report.table(columns(system, name, (is_numbered, &points)).csv("branch", &points)?);
-    let rows = numbered().flat_map(|(k, one)| {
-        let others = if k == 0 { others } else { &[] };
-        rows((k, one), others, system)
-    });
+    let rows = numbered().flat_map(|(k, one)| rows((k, one), others, system));
     report.table(special_columns(system, name, is_numbered).csv("special", rows)?);
     report.figure("continue", &figure::diagram(system, range, &branches));
     Ok(report)
@@ -121,15 +122,26 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
 
 /// A branch that begins at another branch, in words and as a JSON object.
 fn of_other(
-    (number, SideBranch { from, branch }): (usize, &SideBranch),
-    main: &WholeBranch,
+    (number, other): (usize, &SideBranch),
+    parent: &WholeBranch,
     system: &System,
     name: &str,
 ) -> (String, Value) {
-    let at = main.special.get(*from);
-    let begin = at.map_or_else(String::new, |at| {
-        let place = place(at.parameter, at.uncertainty);
-        format!(" from the {} at {name} = {place}", at.what)
+    let SideBranch {
+        from, to, branch, ..
+    } = other;
+    let place_of = |at: &SpecialPoint| place(at.parameter, at.uncertainty);
+    let begin = parent.special.get(*from).map_or_else(String::new, |at| {
+        let of = match other.parent {
+            0 => String::new(),
+            number => format!(" of branch {number}"),
+        };
+        format!(" from the {}{of} at {name} = {}", at.what, place_of(at))
+    });
+    let bubble = to.and_then(|to| parent.special.get(to));
+    let bubble = bubble.map_or_else(String::new, |at| {
+        let place = place_of(at);
+        format!("; it is a bubble to the flip at {name} = {place}, where the same branch begins")
     });
     let [_, stop] = &branch.stops;
     let end = EndDescription::of(stop, system, name);
@@ -148,7 +160,9 @@ fn of_other(
         .collect();
     let mut object = json!({
         "branch": number,
+        "parent": other.parent,
         "from": from,
+        "to": to,
         "points": orbits,
         "parameter": last.map(|last| last.orbit.parameter),
         "special": special,
@@ -157,6 +171,6 @@ fn of_other(
     if let Some((key, value)) = end.detail {
         object[key] = value;
     }
-    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}");
+    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}{bubble}");
     (note, object)
 }

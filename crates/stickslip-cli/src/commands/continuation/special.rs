@@ -4,14 +4,20 @@ use serde_json::{Value, json};
 use stickslip::analysis::{CycleBifurcation, SpecialPoint};
 use stickslip::error::readable;
 use stickslip_model::file::System;
+use stickslip_model::study::criticality_of;
 
 use super::super::changes;
 
 /// A special orbit in words.
 pub(super) fn words(at: &SpecialPoint, system: &System) -> String {
+    let side = || match criticality_of(at) {
+        Some(side) => side.to_string(),
+        None => "super- or subcritical: not determined".to_owned(),
+    };
     match &at.what {
+        CycleBifurcation::Flip => format!("{}, {}", at.what, side()),
         CycleBifurcation::NeimarkSacker { angle } => {
-            format!("{}, angle {}", at.what, readable(*angle))
+            format!("{}, angle {}, {}", at.what, readable(*angle), side())
         }
         CycleBifurcation::Sequence(change) => {
             let name = changes::words(system, change);
@@ -40,6 +46,11 @@ pub(super) fn json(at: &SpecialPoint, system: &System) -> Value {
         "period": at.period,
         "x": at.x.as_slice(),
         "angle": angle,
+        "criticality": criticality_of(at).map(|side| side.to_string()),
+        "normal_form": at.normal_form.map(|form| json!({
+            "coefficient": form.coefficient,
+            "uncertainty": form.uncertainty,
+        })),
         "change": change,
     })
 }

@@ -1,9 +1,8 @@
 //! The tables `branch.csv` and `special.csv`.
 
 use stickslip_model::file::System;
-use stickslip_model::study::{BranchOrbit, SpecialRow, WholeBranch};
+use stickslip_model::study::{BranchOrbit, SideBranch, SpecialRow, WholeBranch};
 
-use super::branch::SideBranch;
 use crate::render::Table;
 
 /// A row of `special.csv`, with the number of its branch and of those that begin there.
@@ -27,6 +26,7 @@ pub(super) fn special_columns<'a>(
         .column("what", |(.., row)| row.name.clone())
         .column("contacts", |(.., row)| row.contacts.clone())
         .column("angle", |(.., row)| row.angle)
+        .column("criticality", |(.., row)| row.criticality.clone())
         .column("uncertainty", |(.., row)| row.uncertainty)
         .column("before", |(.., row)| row.phases[0].clone())
         .column("after", |(.., row)| row.phases[1].clone())
@@ -86,15 +86,15 @@ pub(super) fn rows(
     // The first row may be an end of the branch.
     let first = usize::from(branch.ends()[0].bifurcation.is_some());
     let rows = rows.into_iter().enumerate();
-    rows.map(|(k, row)| (number, begins(others, k.checked_sub(first)), row))
+    rows.map(|(k, row)| (number, begins(others, (number, k.checked_sub(first))), row))
         .collect()
 }
 
-/// The numbers of the branches that begin at a special orbit.
-fn begins(others: &[SideBranch], at: Option<usize>) -> String {
+/// The numbers of the branches that begin at a special orbit of a branch.
+fn begins(others: &[SideBranch], (parent, at): (usize, Option<usize>)) -> String {
     let numbered = (1..)
         .zip(others)
-        .filter(|(_, other)| Some(other.from) == at);
+        .filter(|(_, other)| other.parent == parent && Some(other.from) == at);
     let numbers = numbered.map(|(number, _)| i32::to_string(&number));
     numbers.collect::<Vec<String>>().join(" ")
 }

@@ -5,7 +5,7 @@ use super::steps::Continuation;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
 use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, MarginKind};
+use crate::analysis::cycle::{Cycle, MarginKind, Shooting};
 use crate::analysis::lagrange::weights;
 use crate::analysis::passages::passages;
 use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Vector, run};
@@ -22,7 +22,7 @@ const AT_REST: f64 = 1e-3;
 /// Distance below which two orbits at one parameter are the same, as a fraction of the extent.
 /// Chosen: far above the tolerances, and far below the distance of two orbits, unless they are next
 /// to a fold.
-const SAME_ORBIT: f64 = 1e-6;
+pub(super) const SAME_ORBIT: f64 = 1e-6;
 
 /// Largest distance of an orbit from the equilibrium in which it ends, as a fraction of the widest
 /// orbit's extent. Chosen.
@@ -267,21 +267,30 @@ impl Continuation<'_> {
             .is_some_and(|way| way.norm() <= near)
     }
 
-    /// The vector to an orbit from the first one's anchor, where it is shortest; of a driven one,
-    /// at its time.
+    /// The vector to an orbit from the first one's anchor, as [`offset_from`].
     pub(super) fn offset_from_first(&self, found: &Cycle) -> Option<Vector> {
-        let (system, options) = (self.shooting.system, self.shooting.options);
-        let (start, place) = (&found.anchor, &self.branch.first.anchor);
-        let off = |x: &Vector| x - &place.x;
-        if self.shooting.forced.is_some() {
-            let later = (place.t - start.t).rem_euclid(found.period);
-            if later == 0.0 {
-                return Some(off(&start.x));
-            }
-            return Some(off(&run(system, start, start.t + later, options).ok()?.x));
-        }
-        let passages = passages(system, (start, found.period), place, options, |_| false).ok()?;
-        let all = std::iter::once(start).chain(&passages).map(|at| off(&at.x));
-        all.min_by(|a, b| a.norm().total_cmp(&b.norm()))
+        offset_from(&self.shooting, &self.branch.first.anchor, found)
     }
+}
+
+/// The vector to an orbit from a moment of another one, where it is shortest; of a driven orbit, at
+/// its time.
+pub(super) fn offset_from(
+    shooting: &Shooting<'_>,
+    place: &Moment,
+    found: &Cycle,
+) -> Option<Vector> {
+    let (system, options) = (shooting.system, shooting.options);
+    let start = &found.anchor;
+    let off = |x: &Vector| x - &place.x;
+    if shooting.forced.is_some() {
+        let later = (place.t - start.t).rem_euclid(found.period);
+        if later == 0.0 {
+            return Some(off(&start.x));
+        }
+        return Some(off(&run(system, start, start.t + later, options).ok()?.x));
+    }
+    let passages = passages(system, (start, found.period), place, options, |_| false).ok()?;
+    let all = std::iter::once(start).chain(&passages).map(|at| off(&at.x));
+    all.min_by(|a, b| a.norm().total_cmp(&b.norm()))
 }

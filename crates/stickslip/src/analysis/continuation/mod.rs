@@ -19,17 +19,20 @@ use nalgebra::Complex;
 
 use super::critical::Critical;
 use super::cycle::{Cycle, SequenceChange, Shooting};
+use super::normal_form::NormalForm;
 use super::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::{Error, require};
 use crate::filippov::Options;
-pub use curve::{Curve, CurvePoint, CurveStop, continue_change};
+pub use curve::{
+    Curve, CurveBifurcation, CurvePoint, CurveSpecialPoint, CurveStop, continue_change,
+};
 pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
     continue_equilibrium,
 };
 pub(super) use steps::Continuation;
-pub use switching::{SwitchedBranch, switch_branches};
+pub use switching::{SwitchedBranch, switch_branches, switch_branches_to};
 use tangent_line::{TangentLine, Units};
 
 /// The range and the step sizes of a continuation.
@@ -162,6 +165,9 @@ pub struct SpecialPoint {
     pub x: Vector,
     /// Period.
     pub period: f64,
+    /// The normal form of a flip or Neimark–Sacker bifurcation; `None` for others, and where the
+    /// return map has no derivatives near the orbit.
+    pub normal_form: Option<NormalForm>,
 }
 
 /// Reason for the end of the continuation of a branch.

@@ -8,6 +8,7 @@ use super::{
     check_rate, check_start, critical, parameter_of,
 };
 use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting, StepBudget, Zero};
+use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -37,6 +38,8 @@ pub(in crate::analysis) struct Continuation<'a> {
     pub(in crate::analysis) wanted: Option<(IsWanted, usize)>,
     /// Orbit of the junction.
     pub(super) junction: Option<Junction>,
+    /// The flips, where branches that begin there are followed, too.
+    pub(super) flips: Option<Vec<Junction>>,
 }
 
 /// Whether a special orbit is of the kind at which to stop.
@@ -137,6 +140,7 @@ impl<'a> Continuation<'a> {
             branch,
             wanted: None,
             junction: None,
+            flips: None,
         }
     }
 
@@ -378,6 +382,7 @@ impl<'a> Continuation<'a> {
         margin: Option<Margin>,
     ) {
         let cycle = zero.solution;
+        let normal_form = self.normal_form(&what, &cycle, zero.parameter);
         let at = SpecialPoint {
             parameter: zero.parameter,
             uncertainty: self.with_last_digits(zero.parameter, zero.uncertainty),
@@ -385,23 +390,50 @@ impl<'a> Continuation<'a> {
             behind: self.branch.points.len(),
             x: cycle.anchor.x.clone(),
             period: cycle.period,
+            normal_form,
         };
         self.branch.special.push(at.clone());
-        match &mut self.wanted {
-            Some((is_wanted, number)) if is_wanted(&at.what) => match number.checked_sub(1) {
+        let junction = Junction {
+            at,
+            cycle,
+            line,
+            margin,
+        };
+        let what = &junction.at.what;
+        match (&mut self.wanted, &mut self.flips) {
+            (Some((is_wanted, number)), _) if is_wanted(what) => match number.checked_sub(1) {
                 Some(less) => *number = less,
                 None => {
                     self.wanted = None;
-                    self.junction = Some(Junction {
-                        at,
-                        cycle,
-                        line,
-                        margin,
-                    });
+                    self.junction = Some(junction);
                 }
             },
+            (_, Some(flips)) if *what == CycleBifurcation::Flip => flips.push(junction),
             _ => {}
         }
+    }
+
+    /// The normal form of a flip or Neimark–Sacker bifurcation. It is not computed within a budget
+    /// of steps, which is for places alone.
+    fn normal_form(
+        &self,
+        what: &CycleBifurcation,
+        near: &Cycle,
+        parameter: f64,
+    ) -> Option<NormalForm> {
+        let of = match what {
+            CycleBifurcation::Flip => CriticalPair::Flip,
+            CycleBifurcation::NeimarkSacker { angle } => CriticalPair::Angle(*angle),
+            _ => return None,
+        };
+        if self.shooting.budget.is_some() {
+            return None;
+        }
+        // The nearest orbit that was computed may lie beside the zero.
+        let row = near.outline.unit(self.place());
+        let at_zero = self.shooting.solve(&near.outline, Some((&row, parameter)));
+        let map = ReturnMap::of(at_zero.as_ref().unwrap_or(near), &self.shooting)?;
+        map.normal_form(of, &ReturnMap::MULTIPLES)
     }
 
     /// Records the last orbit.

@@ -1,11 +1,12 @@
 //! Branch switching: at a flip to the branch of twice the period, and at a branch point to the
 //! other branch.
 
+use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
 use super::steps::{Continuation, FIRST_STEP, Junction};
-use super::tangent_line::TangentLine;
-use super::{Branch, ContinuationSettings, CycleBifurcation, SpecialPoint};
+use super::tangent_line::{TangentLine, Units};
+use super::{Branch, ContinuationSettings, CycleBifurcation, SpecialPoint, Stop};
 use crate::analysis::cycle::{Cycle, Shooting};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
@@ -13,12 +14,35 @@ use crate::filippov::Options;
 
 /// The branches that meet a given one.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SwitchedBranch {
     /// The flip or branch point at which they meet.
     pub at: SpecialPoint,
     /// The branches that begin there: one of twice the period at a flip, both directions of the
     /// other branch at a branch point.
     pub branches: Vec<Branch>,
+    /// The branches that begin at flips of each of these, where they were followed.
+    pub further: Vec<Vec<SwitchedBranch>>,
+}
+
+impl SwitchedBranch {
+    /// Whether the branch from this flip ends in another flip of the same branch. The orbits of
+    /// twice the period between both are a bubble, and the other flip begins the same branch.
+    pub fn is_bubble_to(&self, other: &SpecialPoint) -> bool {
+        let ends = self.branches.iter().any(|branch| match branch.stop {
+            Stop::Flip {
+                parameter,
+                uncertainty,
+            } => {
+                let off = (parameter - other.parameter).abs();
+                // Two flips nearer than this are not told apart.
+                off <= 2.0 * (uncertainty + other.uncertainty)
+            }
+            _ => false,
+        });
+        let is_other = self.at.parameter != other.parameter || self.at.behind != other.behind;
+        ends && is_other && other.what == CycleBifurcation::Flip
+    }
 }
 
 /// Follows the branches that begin at a flip or branch point, by its number counted from 0, on the
@@ -38,6 +62,23 @@ pub fn switch_branches<Kind>(
     settings: &ContinuationSettings,
     options: &Options,
 ) -> Result<SwitchedBranch, Error> {
+    let settings = (settings, NonZeroUsize::MIN);
+    switch_branches_to(system, x, (period, upwards, number), settings, options)
+}
+
+/// [`switch_branches`], and the flips of these branches in turn, to a depth: at 1 there are only
+/// these branches, at 2 those of four times the period, too. A branch that ends in another flip of
+/// the same branch is followed from one of both.
+///
+/// # Errors
+/// Those of [`switch_branches`].
+pub fn switch_branches_to<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x: impl Components,
+    (period, upwards, number): (f64, bool, usize),
+    (settings, depth): (&ContinuationSettings, NonZeroUsize),
+    options: &Options,
+) -> Result<SwitchedBranch, Error> {
     settings.check()?;
     let system = &*system.dynamics();
     let start = (x.vector(), period, upwards);
@@ -52,6 +93,17 @@ pub fn switch_branches<Kind>(
     };
     let junction = continuation.seek(is_wanted, number);
     let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
+    let from = (continuation.shooting, continuation.branch.units);
+    switched(from, settings, junction, depth.get()).map_err(not_found)
+}
+
+/// The branches that begin at a special orbit.
+fn switched(
+    (shooting, units): (Shooting<'_>, Units),
+    settings: &ContinuationSettings,
+    junction: Junction,
+    depth: usize,
+) -> Result<SwitchedBranch, &'static str> {
     let Junction {
         at, cycle, line, ..
     } = junction;
@@ -63,19 +115,18 @@ pub fn switch_branches<Kind>(
     };
     let shooting = Shooting {
         forced: settings.forced,
-        ..continuation.shooting
+        ..shooting
     };
     let start = match is_flip {
-        true => shooting.evaluated(&cycle.outline.twice(system)),
+        true => shooting.evaluated(&cycle.outline.twice(shooting.system)),
         false => Some(cycle),
     };
-    let start = start.ok_or(not_found("the orbit run through twice"))?;
+    let start = start.ok_or("the orbit run through twice")?;
     let row = across(&start, (!is_flip).then_some(&line));
-    let row = row.ok_or(not_found("another branch at the point"))?;
+    let row = row.ok_or("another branch at the point")?;
     // Both directions along the branch of twice the period yield the same orbits.
     let signs: &[f64] = if is_flip { &[1.0] } else { &[1.0, -1.0] };
     let branches = signs.iter().filter_map(|sign| {
-        let units = continuation.branch.units;
         let along = |direction| TangentLine::along(&shooting, units, &start, direction);
         let tangent = along(&row * *sign)?;
         // Where the field has a corner, the branch leaves its tangent at once.
@@ -84,17 +135,32 @@ pub fn switch_branches<Kind>(
             next.and_then(|next| along(next.outline.unknowns() - start.outline.unknowns()));
         let begun = (start.clone(), secant.or(Some(tangent)));
         let mut other = Continuation::from_orbit(shooting, settings, units, begun);
+        other.flips = (depth > 1).then(Vec::new);
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
+        let flips = other.flips.take().unwrap_or_default();
         let mut branch = other.into_branch(stop);
         // At its beginning, test functions are zero to rounding, which decides their sign.
-        branch.special.retain(|one| {
+        let is_own = |one: &SpecialPoint| {
             let off = (one.parameter - at.parameter).abs();
             one.behind > 1 || off > one.uncertainty + at.uncertainty
-        });
-        Some(branch)
+        };
+        branch.special.retain(is_own);
+        let flips = flips.into_iter().filter(|flip| is_own(&flip.at));
+        let mut further: Vec<SwitchedBranch> = Vec::new();
+        for flip in flips {
+            if !further.iter().any(|one| one.is_bubble_to(&flip.at)) {
+                let from = (shooting, units);
+                further.extend(switched(from, settings, flip, depth - 1).ok());
+            }
+        }
+        Some((branch, further))
     });
-    let branches = branches.collect();
-    Ok(SwitchedBranch { at, branches })
+    let (branches, further) = branches.unzip();
+    Ok(SwitchedBranch {
+        at,
+        branches,
+        further,
+    })
 }
 
 /// The direction in which another branch leaves an orbit at which the equations have two tangents:

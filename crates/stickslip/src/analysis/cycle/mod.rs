@@ -36,7 +36,7 @@ const TOLERANCES: f64 = 100.0;
 pub(super) const ULPS: f64 = 16.0;
 
 /// Relative error within which an orbit closes and its event functions vanish.
-fn closeness(options: &Options) -> f64 {
+pub(super) fn closeness(options: &Options) -> f64 {
     TOLERANCES * options.atol.max(options.rtol)
 }
 

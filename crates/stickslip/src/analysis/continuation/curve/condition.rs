@@ -1,0 +1,143 @@
+//! The condition that all orbits of a curve meet, and the orbit of the curve in a plane.
+
+use super::super::steps::Junction;
+use super::super::tangent_line::TangentLine;
+use super::super::{CycleBifurcation, critical};
+use super::CurveContinuation;
+use crate::analysis::critical::{Critical, Pair};
+use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting, StepBudget};
+use crate::dynamics::Vector;
+
+/// A function that vanishes on a curve.
+#[derive(Clone)]
+pub(super) enum TestFunction {
+    /// A margin, whose position moves along the orbit.
+    Margin(Box<Margin>),
+    /// A function of the multipliers.
+    Multipliers(fn(&Critical) -> Option<f64>),
+    /// The product of a pair of multipliers, less 1. Near an orbit of the curve the pair has this
+    /// sum.
+    Pair(f64),
+}
+
+impl TestFunction {
+    fn value(&self, cycle: &Cycle, shooting: &Shooting<'_>) -> Option<f64> {
+        match self {
+            TestFunction::Margin(margin) => Some(cycle.margin_like(margin)?.value),
+            TestFunction::Multipliers(function) => function(&critical(cycle, shooting)),
+            TestFunction::Pair(sum) => Some(Pair::near(&critical(cycle, shooting), *sum)?.beyond),
+        }
+    }
+
+    /// The function near another orbit of the curve.
+    fn near(self, cycle: &Cycle, shooting: &Shooting<'_>) -> Self {
+        match self {
+            TestFunction::Margin(margin) => {
+                let near = cycle.margin_like(&margin).cloned();
+                TestFunction::Margin(near.map_or(margin, Box::new))
+            }
+            TestFunction::Pair(sum) => {
+                let near = Pair::near(&critical(cycle, shooting), sum);
+                TestFunction::Pair(near.map_or(sum, |pair| pair.sum))
+            }
+            of_multipliers => of_multipliers,
+        }
+    }
+}
+
+/// Condition that all orbits of a curve meet.
+#[derive(Clone)]
+pub(super) enum Condition {
+    /// A segment has no duration: two contacts switch at once.
+    NoDuration(usize),
+    /// A function vanishes. It was located on this line across the curve.
+    Zero(TestFunction, TangentLine),
+}
+
+impl Condition {
+    pub(super) fn of(junction: &Junction) -> Option<Self> {
+        let function = match (&junction.at.what, &junction.margin) {
+            (CycleBifurcation::Sequence(_), Some(margin))
+                if margin.kind == MarginKind::Duration =>
+            {
+                // Of one contact, a segment without duration determines nothing.
+                margin.other?;
+                return Some(Condition::NoDuration(margin.part));
+            }
+            (CycleBifurcation::Sequence(_), Some(margin)) => {
+                TestFunction::Margin(Box::new(margin.clone()))
+            }
+            (CycleBifurcation::Fold, _) => TestFunction::Multipliers(|of| Some(of.one)),
+            (CycleBifurcation::Flip, _) => TestFunction::Multipliers(|of| Some(of.minus_one)),
+            (CycleBifurcation::NeimarkSacker { angle }, _) => {
+                TestFunction::Pair(2.0 * crate::math::cos(*angle))
+            }
+            (CycleBifurcation::BranchPoint | CycleBifurcation::Sequence(_), _) => return None,
+        };
+        Some(Condition::Zero(function, junction.line.clone()))
+    }
+
+    /// Whether the orbits arrive at a boundary, or at the function of a jump, without speed. Their
+    /// derivatives are unbounded.
+    pub(super) fn is_arrival(&self) -> bool {
+        match self {
+            Condition::Zero(TestFunction::Margin(margin), _) => margin.kind == MarginKind::Arrival,
+            _ => false,
+        }
+    }
+
+    /// The sum of the pair of multipliers with the product 1, on a Neimark–Sacker curve.
+    pub(super) fn sum_of_pair(&self) -> Option<f64> {
+        match self {
+            Condition::Zero(TestFunction::Pair(sum), _) => Some(*sum),
+            _ => None,
+        }
+    }
+}
+
+impl CurveContinuation<'_> {
+    /// The orbit of the curve near a guess, in a plane: on it, the product of the unknowns with a
+    /// row has a given value. With the condition near that orbit. A known orbit of the curve has
+    /// so many steps.
+    pub(super) fn solve(
+        &self,
+        (condition, steps): (&Condition, usize),
+        guess: &Outline,
+        plane: (&Vector, f64),
+    ) -> Option<(Cycle, Condition)> {
+        // Orbits that a solution may compute. Chosen: far more than it does, also by half steps.
+        // Where there is none, Newton's iteration may come to states from which an orbit has
+        // millions of steps.
+        const MOST_ORBITS: u64 = 2000;
+        let cost = 1 + StepBudget::with_tangents(guess.begin.x.len());
+        let budget = StepBudget::of(MOST_ORBITS * cost * steps as u64);
+        match condition {
+            Condition::NoDuration(number) => {
+                let duration = guess.unit(guess.begin.x.len() + number);
+                let shooting = Shooting {
+                    plane: Some((&duration, 0.0)),
+                    budget: Some(&budget),
+                    ..self.shooting
+                };
+                Some((shooting.solve(guess, Some(plane))?, condition.clone()))
+            }
+            Condition::Zero(function, line) => {
+                let shooting = Shooting {
+                    plane: Some(plane),
+                    budget: Some(&budget),
+                    ..self.shooting
+                };
+                let value = |cycle: &Cycle| function.value(cycle, &shooting);
+                let row = line.across();
+                let begin = shooting.solve(guess, Some((row, row.dot(&guess.unknowns()))))?;
+                let line = TangentLine::tangent(&shooting, self.units, &begin, row)?;
+                let path = line.orbits(&shooting);
+                let ends = path.bracket((0.0, value(&begin)?), self.settings.step, &value)?;
+                let (s, found) = path.root(ends, &value)?;
+                let function = function.clone().near(&found, &shooting);
+                let is_near = s.abs() <= self.settings.step;
+                is_near.then_some((found, Condition::Zero(function, line)))
+            }
+        }
+    }
+}

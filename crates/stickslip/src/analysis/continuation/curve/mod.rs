@@ -1,0 +1,193 @@
+//! Curves of special orbits in two parameters.
+
+mod codimension_two;
+mod condition;
+mod ends;
+mod meetings;
+mod special;
+mod steps;
+
+use super::steps::{Continuation, Junction};
+use super::tangent_line::Units;
+use super::{ContinuationSettings, SpecialPoint, check_start};
+use crate::analysis::cycle::{Cycle, SequenceBifurcation, Shooting, unit};
+use crate::dynamics::{AsDynamics, Components, Vector};
+use crate::error::Error;
+use crate::filippov::Options;
+pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
+use condition::Condition;
+use steps::Way;
+
+/// An orbit on a curve of special ones.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct CurvePoint {
+    /// The two parameters, which are the last two states; the branch parameter comes last.
+    pub parameters: [f64; 2],
+    /// A time and a state on the orbit.
+    pub t: f64,
+    /// See `t`.
+    pub x: Vector,
+    /// Period.
+    pub period: f64,
+}
+
+/// Why the continuation of a curve stopped.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum CurveStop {
+    /// One of the parameters has reached an end of its range.
+    Range,
+    /// The curve has as many points as requested.
+    Points,
+    /// The curve is closed: its last orbit is the first.
+    Closed,
+    /// A flip of the orbit of half the period: both halves of the last orbit are that orbit. The
+    /// curve would return on itself, half a period later.
+    Flip,
+    /// A pair of multipliers has met at 1 or −1. Beyond, both are real, and no torus emerges.
+    Resonance,
+    /// Another change of the phases occurs at the same orbit behind the last point.
+    AnotherChange,
+    /// No further orbit could be computed within the shortest step behind the last one.
+    NoConvergence,
+}
+
+/// A curve of special periodic orbits in two parameters.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Curve {
+    /// The orbit at which it begins.
+    pub at: SpecialPoint,
+    /// The orbits, from one end of the curve to the other. A closed curve ends with its first
+    /// orbit.
+    pub points: Vec<CurvePoint>,
+    /// The special orbits between them, in the same order. An end may be one.
+    pub special: Vec<CurveSpecialPoint>,
+    /// Index of the orbit at which it began.
+    pub first: usize,
+    /// Why the curve ends before the first and behind the last orbit.
+    pub stops: [CurveStop; 2],
+}
+
+/// Follows in two parameters a special orbit of a branch of periodic orbits, by its number counted
+/// from 0. It is a change of the phases, a fold, a flip or a Neimark–Sacker bifurcation.
+///
+/// **The parameters are the last two states.** The last is the branch parameter, as in
+/// [`super::continue_periodic_orbit`]; the other is fixed on the branch and has the range `other`.
+/// In the plane across the curve, orbits form a branch. The function that vanishes at the special
+/// orbit has a zero on it, located as on any branch: a function of the multipliers or, at a change
+/// of the phases, any of the margins. So curves pass their own folds, and curves of folds pass
+/// cusps. Where two contacts switch at once, the phase between them keeps the duration zero.
+///
+/// # Errors
+/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
+/// orbit, or no curve continues from it: a branch point has none.
+pub fn continue_change<Kind>(
+    system: &impl AsDynamics<Kind>,
+    x: impl Components,
+    (period, upwards, number): (f64, bool, usize),
+    (settings, other): (&ContinuationSettings, (f64, f64)),
+    options: &Options,
+) -> Result<Curve, Error> {
+    settings.check()?;
+    ContinuationSettings::over(other.0, other.1).check()?;
+    let system = &*system.dynamics();
+    let x = x.vector();
+    check_start(&x, 2, settings)?;
+    let place = x.len() - 2;
+    let value = x[place];
+    let by_other = unit(place + 1, place);
+    let start = (x, period, upwards);
+    let fixed = Some((&by_other, value));
+    let mut continuation = Continuation::begin(system, start, settings, (fixed, options), None)?;
+    let not_found = |what| Error::NotFound {
+        what,
+        t: 0.0,
+        span: period,
+    };
+    let junction = continuation.seek(|_| true, number);
+    let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
+    let condition = Condition::of(&junction);
+    let condition = condition.ok_or(not_found("a curve of the special orbit"))?;
+    let Junction { at, cycle, .. } = junction;
+    let curve = CurveContinuation {
+        shooting: continuation.shooting,
+        units: Units {
+            other: Some(other.1 - other.0),
+            ..continuation.branch.units
+        },
+        settings,
+        place,
+        other,
+        kind: CurveKind::of(&at.what),
+    };
+    let plane = (&by_other, value);
+    let first = curve.solve((&condition, cycle.steps), &cycle.outline, plane);
+    let (first, condition) = first.ok_or(not_found("an orbit to begin the curve with"))?;
+    let follow = |sign: f64| curve.follow(&first, condition.clone(), sign);
+    let behind = follow(1.0);
+    // A closed curve is the same in the other direction.
+    let before = match behind.stop {
+        CurveStop::Closed => Way::empty(CurveStop::Closed),
+        _ => follow(-1.0),
+    };
+    let mut points = before.points;
+    points.reverse();
+    let begun = points.len();
+    points.push(point(&first));
+    points.extend(behind.points);
+    let mut special = before.special;
+    special.reverse();
+    for one in &mut special {
+        let is_end = one.parameters == points[0].parameters;
+        one.behind = (begun + 1).saturating_sub(one.behind + usize::from(is_end));
+    }
+    special.extend(behind.special.into_iter().map(|one| CurveSpecialPoint {
+        behind: begun + one.behind,
+        ..one
+    }));
+    Ok(Curve {
+        at,
+        points,
+        special,
+        first: begun,
+        stops: [before.stop, behind.stop],
+    })
+}
+
+fn point(cycle: &Cycle) -> CurvePoint {
+    CurvePoint {
+        parameters: parameters(cycle),
+        t: cycle.anchor.t,
+        x: cycle.anchor.x.clone(),
+        period: cycle.period,
+    }
+}
+
+/// Both parameters of an orbit.
+fn parameters(cycle: &Cycle) -> [f64; 2] {
+    let x = &cycle.outline.begin.x;
+    [x[x.len() - 2], x[x.len() - 1]]
+}
+
+/// What the orbits of a curve have in common.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CurveKind {
+    Fold,
+    Flip,
+    Torus,
+    Change(SequenceBifurcation),
+}
+
+/// The continuation of a curve.
+#[derive(Clone, Copy)]
+struct CurveContinuation<'a> {
+    shooting: Shooting<'a>,
+    units: Units,
+    settings: &'a ContinuationSettings,
+    /// The component of the other parameter, and its range.
+    place: usize,
+    other: (f64, f64),
+    kind: CurveKind,
+}
