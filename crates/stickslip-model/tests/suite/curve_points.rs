@@ -360,6 +360,28 @@ fn a_torus_is_super_or_subcritical_by_its_normal_form() {
     }
 }
 
+/// With the rate `p u + (q - 1/2) u³ - u⁵` the flip at `p = 0` changes its side at `q = 1/2`.
+#[test]
+fn a_generalized_flip_is_named_on_a_curve_of_flips() {
+    let text = DOUBLED
+        .replace("p*u - u*u*u", "p*u + (q - 0.5)*u^3 - u^5")
+        .replace("p = -0.1", "p = -0.1\nq = 0");
+    let found = curves(
+        &system(&text),
+        ("p", -0.2, 0.2),
+        ("q", -0.3, 1.2),
+        &options("taylor"),
+    );
+    let [curve] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let [at] = &curve.special[..] else {
+        panic!("{:?}", curve.special);
+    };
+    assert_eq!(at.what, CurveBifurcation::GeneralizedFlip);
+    is_at(at, [0.5, 0.0], 1e-3);
+}
+
 /// An oscillator before a wall. Without impacts its amplitude is that of the linear one, which
 /// reaches the wall at `A² = (1 - w²)² + 0.01 w²`.
 const WALL: &str = r#"
