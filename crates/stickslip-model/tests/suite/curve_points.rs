@@ -24,8 +24,8 @@ fn all<'c>(curve: &'c Curve, what: &CurveBifurcation) -> Vec<&'c CurveSpecialPoi
 
 /// A special point is where it must be, to within its uncertainty and an error.
 fn is_at(at: &CurveSpecialPoint, exact: [f64; 2], error: f64) {
-    for k in 0..2 {
-        let off = (at.parameters[k] - exact[k]).abs();
+    for (k, exact) in exact.into_iter().enumerate() {
+        let off = (at.parameters[k] - exact).abs();
         let uncertainty = at.uncertainties[k];
         assert!(
             off <= uncertainty && uncertainty <= error,
