@@ -24,8 +24,8 @@ fn all<'c>(curve: &'c Curve, what: &CurveBifurcation) -> Vec<&'c CurveSpecialPoi
 
 /// A special point is where it must be, to within its uncertainty and an error.
 fn is_at(at: &CurveSpecialPoint, exact: [f64; 2], error: f64) {
-    for k in 0..2 {
-        let off = (at.parameters[k] - exact[k]).abs();
+    for (k, exact) in exact.into_iter().enumerate() {
+        let off = (at.parameters[k] - exact).abs();
         let uncertainty = at.uncertainties[k];
         assert!(
             off <= uncertainty && uncertainty <= error,
@@ -358,6 +358,28 @@ fn a_torus_is_super_or_subcritical_by_its_normal_form() {
             "{off:e} {form:?}"
         );
     }
+}
+
+/// With the rate `p u + (q - 1/2) u³ - u⁵` the flip at `p = 0` changes its side at `q = 1/2`.
+#[test]
+fn a_generalized_flip_is_named_on_a_curve_of_flips() {
+    let text = DOUBLED
+        .replace("p*u - u*u*u", "p*u + (q - 0.5)*u^3 - u^5")
+        .replace("p = -0.1", "p = -0.1\nq = 0");
+    let found = curves(
+        &system(&text),
+        ("p", -0.2, 0.2),
+        ("q", -0.3, 1.2),
+        &options("taylor"),
+    );
+    let [curve] = found.as_slice() else {
+        panic!("{found:?}");
+    };
+    let [at] = &curve.special[..] else {
+        panic!("{:?}", curve.special);
+    };
+    assert_eq!(at.what, CurveBifurcation::GeneralizedFlip);
+    is_at(at, [0.5, 0.0], 1e-3);
 }
 
 /// An oscillator before a wall. Without impacts its amplitude is that of the linear one, which

@@ -226,7 +226,7 @@ impl<'a> ReturnMap<'a> {
         let own = complex(matrix);
         match of {
             CriticalPair::Flip => {
-                let (q, p) = null_vectors(&own + &identity)?;
+                let [q, p] = null_vectors(&own + &identity)?;
                 // The eigenvector is real, up to a factor.
                 let largest = q.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
                 let phase = largest.conj() / largest.norm();
@@ -242,7 +242,7 @@ impl<'a> ReturnMap<'a> {
             }
             CriticalPair::Angle(angle) => {
                 let turn = Complex::new(crate::math::cos(angle), crate::math::sin(angle));
-                let (q, p) = null_vectors(&own - &identity * turn)?;
+                let [q, p] = null_vectors(&own - &identity * turn)?;
                 let p = &p / p.dotc(&q).conj();
                 let [a, b] = [q.map(|entry| entry.re), q.map(|entry| entry.im)];
                 let conjugate = q.map(|entry| entry.conj());
@@ -280,9 +280,7 @@ fn complex(matrix: &Matrix) -> DMatrix<Complex<f64>> {
 }
 
 /// The unit vectors that a nearly singular matrix and its adjoint take to nearly zero.
-fn null_vectors(
-    matrix: DMatrix<Complex<f64>>,
-) -> Option<(DVector<Complex<f64>>, DVector<Complex<f64>>)> {
+fn null_vectors(matrix: DMatrix<Complex<f64>>) -> Option<[DVector<Complex<f64>>; 2]> {
     if !matrix
         .iter()
         .all(|entry| entry.re.is_finite() && entry.im.is_finite())
@@ -293,5 +291,5 @@ fn null_vectors(
     let (left, right) = (parts.u?, parts.v_t?);
     let values = parts.singular_values.iter().enumerate();
     let (least, _) = values.min_by(|a, b| a.1.total_cmp(b.1))?;
-    Some((right.row(least).adjoint(), left.column(least).into_owned()))
+    Some([right.row(least).adjoint(), left.column(least).into_owned()])
 }

@@ -142,7 +142,7 @@ impl CurveKind {
             }
             (CurveKind::Flip, Test::Coefficient) => CurveBifurcation::GeneralizedFlip,
             (CurveKind::Torus, Test::Coefficient) => CurveBifurcation::Chenciner,
-            (CurveKind::Torus, Test::Sum(sum)) if sum == 0.0 => CurveBifurcation::Resonance(4),
+            (CurveKind::Torus, Test::Sum(0.0)) => CurveBifurcation::Resonance(4),
             (CurveKind::Torus, _) => CurveBifurcation::Resonance(3),
         }
     }

@@ -113,7 +113,8 @@ impl CurveContinuation<'_> {
             let rounding = (widths[k], at.cycle.steps);
             with_last_digits((parameters[k], uncertainty), f64::NAN, rounding)
         });
-        if (0..2).any(|k| !(uncertainties[k] <= RESOLVED * widths[k])) {
+        let is_resolved = |k: usize| uncertainties[k] <= RESOLVED * widths[k];
+        if !(is_resolved(0) && is_resolved(1)) {
             return None;
         }
         let named = describe(

@@ -6,7 +6,7 @@ use super::condition::Condition;
 use super::steps::Position;
 use super::{CurveContinuation, CurveKind, parameters};
 use crate::analysis::critical::{RESOLVED_PLACE, zero_between};
-use crate::analysis::cycle::{Cycle, SAFETY, with_last_digits};
+use crate::analysis::cycle::{Cycle, SAFETY, closeness, with_last_digits};
 use crate::analysis::lagrange::weights;
 use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
 use crate::dynamics::Vector;
@@ -163,20 +163,34 @@ impl CurveContinuation<'_> {
         let [before, behind] = [value(s - apart)?, value(s + apart)?];
         // Beside the zero, if half the steps find no orbit there.
         let mut beside = [0.0, 1.0, -1.0, 10.0, -10.0].into_iter();
-        let (coarse, finer) = beside.find_map(|times| {
+        let finer = beside.find_map(|times| {
             let place = s + times * apart;
             let (finer, condition) = self.finer().on(at, place)?;
-            let finer = (function(&finer, &condition)?, finer);
-            Some((value(place)?, finer))
-        })?;
-        let of_steps = SAFETY * (finer.0 - coarse.0).abs();
+            Some((value(place)?, function(&finer, &condition)?, finer))
+        });
+        // Otherwise it is known as well as orbits close.
+        let by_tolerance = closeness(self.shooting.options);
+        let of_steps = match &finer {
+            Some((coarse, finer, _)) => SAFETY * (finer - coarse.0).abs(),
+            None => by_tolerance * a.1.abs().max(b.1.abs()),
+        };
         let curved = (before.0 - 2.0 * here + behind.0).abs();
         let error = here.abs() + curved + of_steps + doubt;
         let slope = (behind.0 - before.0) / (2.0 * apart);
         let of_place = (error / slope).abs();
         let ends = [&before.1, &behind.1].map(parameters);
         let rate = |k: usize| (ends[1][k] - ends[0][k]).abs() / (2.0 * apart);
-        let uncertainties = self.uncertainties([&coarse.1, &finer.1], |k| rate(k) * of_place);
+        let uncertainties = match &finer {
+            Some((coarse, _, finer)) => {
+                self.uncertainties([&coarse.1, finer], |k| rate(k) * of_place)
+            }
+            None => {
+                let widths = self.widths();
+                self.uncertainties([&cycle; 2], |k| {
+                    rate(k) * of_place + by_tolerance * widths[k]
+                })
+            }
+        };
         Some(Located {
             s,
             cycle,
