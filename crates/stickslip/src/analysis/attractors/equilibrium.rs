@@ -91,6 +91,11 @@ pub(super) fn resolves(
     mode: Modes,
     [from, to]: [&Moment; 2],
 ) -> Option<bool> {
+    // Components that jumps alone change have no field that resolves them.
+    let differs = |i: usize| from.x[i] != to.x[i];
+    if (0..system.states()).any(|i| system.is_constant_between_jumps(i) && differs(i)) {
+        return Some(true);
+    }
     let moved = &from.x + (&to.x - &from.x) * PROBED_PART;
     let part = &moved - &from.x;
     let step = |x: Vector| {

@@ -62,13 +62,14 @@ impl<const N: usize> Affine<N> {
         })
     }
 
-    /// Whether it certainly has the sign `side` throughout a step.
-    fn has_sign<K>(&self, side: f64, over: &SampledStep<'_, K, N>) -> bool {
+    /// Whether it certainly has the sign `side` throughout a step of states of this size.
+    fn has_sign<K>(&self, side: f64, over: &SampledStep<'_, K, N>, of: &State<N>) -> bool {
         let StepRecord { t_start, dense, .. } = over.step;
         let half = 0.5 * dense.h * self.in_time;
         let of_time = [self.in_time * dense.t0, half, self.in_time * t_start];
         let range = over.terms().range_along(&self.normal, half);
         let size = self.constant.abs() + of_time.iter().map(|part| part.abs()).sum::<f64>();
+        let size = size + self.normal.abs().dot(of);
         let middle = 0.5 * (range.low + range.high) + (self.constant + (of_time[0] + half));
         let reach = 0.5 * (range.high - range.low) + AFFINE_ROUNDING * size;
         side * middle > reach
@@ -211,7 +212,7 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
     /// `side`.
     pub(super) fn is_clear_throughout(&self, side: f64, affine: Option<&Affine<N>>) -> bool {
         if let Some(affine) = affine {
-            return affine.has_sign(side, self.over);
+            return affine.has_sign(side, self.over, self.size);
         }
         let step = self.step();
         let times = Interval::new(step.t_start, step.t_end);

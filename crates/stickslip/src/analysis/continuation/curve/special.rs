@@ -18,6 +18,10 @@ pub(super) struct Located {
     pub uncertainties: [f64; 2],
 }
 
+/// A coefficient of more than so many uncertainties has a sign in which one may trust at all of many
+/// orbits. Chosen: where it vanishes all along a curve, its noise exceeds one uncertainty at some.
+const KNOWN_SIGN: f64 = 10.0;
+
 /// A function of the orbits of a curve.
 type OfCurve<'f> = dyn Fn(&Cycle, &Condition) -> Option<f64> + 'f;
 
@@ -33,7 +37,8 @@ impl CurveContinuation<'_> {
             // Only a sign that is known tells anything.
             Test::Coefficient => {
                 let form = self.normal_form(cycle, condition)?;
-                form.criticality().map(|_| form.coefficient)
+                let is_known = form.coefficient.abs() > KNOWN_SIGN * form.uncertainty;
+                is_known.then_some(form.coefficient)
             }
             test => self.value(*test, cycle, condition),
         };
