@@ -245,7 +245,11 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
 
     fn has_sign(&self, side: f64, times: Interval, states: &[Interval; N]) -> bool {
         let value = Interval::decided(|| self.events.value(self.number, times, states));
-        value.is_some_and(|value| ((value - self.zero) * side).low > 0.0)
+        value.is_some_and(|value| {
+            let value = (value - self.zero) * side;
+            // A zero at the very end of a step is one to rounding.
+            value.low > 0.0 && value.low > STATE_ROUNDING * value.high
+        })
     }
 
     /// State and function as exactly as the step gives them.
