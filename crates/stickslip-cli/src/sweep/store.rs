@@ -321,6 +321,11 @@ fn remove(path: &Path) -> Result<(), SweepError> {
     }
 }
 
+/// Tries of a lock, with a pause before each, before another process is said to hold it. A process
+/// that was just killed, or one that it was about to begin, holds it for a moment.
+const LOCK_TRIES: u32 = 20;
+const LOCK_PAUSE: std::time::Duration = std::time::Duration::from_millis(25);
+
 /// Acquires the lock of a share. Its holder removes what a killed process has left in the folders
 /// for unfinished files.
 fn lock(
@@ -336,7 +341,15 @@ fn lock(
         .write(true)
         .open(&path)
         .map_err(SweepError::write(&path))?;
-    match file.try_lock() {
+    let mut locked = file.try_lock();
+    for _ in 0..LOCK_TRIES {
+        if !matches!(locked, Err(TryLockError::WouldBlock)) {
+            break;
+        }
+        std::thread::sleep(LOCK_PAUSE);
+        locked = file.try_lock();
+    }
+    match locked {
         Ok(()) => {}
         Err(TryLockError::WouldBlock) => {
             return Err(SweepError::Busy {

@@ -260,7 +260,8 @@ fn shares_along_the_speed_of_a_belt_are_the_published_ones() {
     for (k, published) in [(0, 0.0), (6, 0.213), (8, 0.304), (12, 0.4922), (16, 1.0)] {
         let number = |name: &str| rest["shares"][k][name].as_f64().unwrap();
         let theirs: f64 = published * (1.0 - published) / 5000.0;
-        let bound = 3.0 * (number("std_error").powi(2) + theirs).sqrt();
+        let error = number("std_error");
+        let bound = 3.0 * (error * error + theirs).sqrt();
         let off = (number("share") - published).abs();
         assert!(off <= bound, "{k}: {}", rest["shares"][k]);
     }

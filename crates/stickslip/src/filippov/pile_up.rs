@@ -461,8 +461,8 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         })
     }
 
-    /// Time of the last transition to which the motion is larger than the tolerance. What follows it
-    /// within the tolerance contradicts no limit.
+    /// Time of the last transition to which the motion is larger than the tolerance. What follows
+    /// it within the tolerance contradicts no limit.
     fn last_resolved(&self) -> f64 {
         let all = (0..self.recorded()).map(|back| self.nth_last(back));
         let last = all.clone().find(|one| one.extent >= 1.0);

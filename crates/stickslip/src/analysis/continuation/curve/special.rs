@@ -18,8 +18,8 @@ pub(super) struct Located {
     pub uncertainties: [f64; 2],
 }
 
-/// A coefficient of more than so many uncertainties has a sign in which one may trust at all of many
-/// orbits. Chosen: where it vanishes all along a curve, its noise exceeds one uncertainty at some.
+/// A coefficient of more than so many uncertainties has a sign that is right at all of many orbits.
+/// Chosen: where it vanishes all along a curve, its noise exceeds one uncertainty at some.
 const KNOWN_SIGN: f64 = 10.0;
 
 /// A function of the orbits of a curve.
