@@ -227,8 +227,8 @@ fn a_branch_ends_in_a_homoclinic_orbit_of_the_sliding_field() {
 }
 
 /// Two tangencies that coincide: below `y = 0` the field `(-1, 1/10 - x)`, above it
-/// `(1, p - sin x - x²)`. Orbits cross and turn about the points where these are tangent, which coincide at p =
-/// sin(1/10) + 1/100.
+/// `(1, p - sin x - x²)`. Orbits cross and turn about the points where these are tangent, which
+/// coincide at p = sin(1/10) + 1/100.
 struct Turns;
 
 traced!(3: Turns);
