@@ -96,20 +96,19 @@ pub(crate) fn propagate<const N: usize, const G: usize>(
             guards(t, &x)
         });
         for (i, (blur, guard)) in blurs.iter_mut().zip(&here).enumerate() {
-            let slope = guard.eps.abs();
-            let steep = behind.filter(|_| is_steep(guard));
-            let change = steep.map_or(f64::INFINITY, |behind| (behind[i].re - guard.re).abs());
-            if is_steep(guard) {
-                blur.by_tolerance += change;
-                // Rounding of a state that is zero is none.
-                blur.by_rounding += if size == 0.0 {
-                    0.0
-                } else {
-                    change / STATE_ROUNDING
-                };
-            } else {
-                blur.by_tolerance += slope * error;
-                blur.by_rounding += slope * size;
+            match behind.filter(|_| is_steep(guard)) {
+                Some(behind) => {
+                    let change = (behind[i].re - guard.re).abs();
+                    blur.by_tolerance += change;
+                    // Rounding of a state that is zero is none.
+                    let rounded = if size == 0.0 { 0.0 } else { change };
+                    blur.by_rounding += rounded / STATE_ROUNDING;
+                }
+                None => {
+                    let slope = guard.eps.abs();
+                    blur.by_tolerance += slope * error;
+                    blur.by_rounding += slope * size;
+                }
             }
         }
     }

@@ -76,13 +76,16 @@ pub(super) fn distance_bounds(
     Some(one?.abs() + other?.abs())
 }
 
-/// Part of the distance between two equilibria by which the field is probed. Values of a field are
-/// multiples of the rounding of its terms. Where that exceeds 1.5 such parts, none of them can be
-/// near the value that the derivative predicts.
+/// Parts of the distance between two equilibria at which the field is probed, each of the one
+/// before. Near enough to the first, any field is its leading power, unless rounding comes first.
 const PROBED_PART: f64 = 1.0 / 128.0;
 
-/// Whether the field resolves the distance between two points at which it vanishes. A small part of
-/// the way from the first to the second, Newton's step must lead back to within half of that part.
+/// Part of the way that Newton's step leaves at least where the field is rounding. Chosen: towards
+/// a zero of order `p` it leaves `1 - 1/p`, and this is order 8.
+const LEFT: f64 = 7.0 / 8.0;
+
+/// Whether the field resolves the distance between two points at which it vanishes. At some small
+/// part of the way from the first to the second, Newton's step must lead back towards the first.
 ///
 /// Where terms of a field cancel, as in `1 - (x + 1)`, it vanishes on an interval. Newton's steps
 /// are then zero at all points of it, and the points have no size for comparison at `x = 0`.
@@ -96,15 +99,23 @@ pub(super) fn resolves(
     if (0..system.states()).any(|i| system.is_constant_between_jumps(i) && differs(i)) {
         return Some(true);
     }
-    let moved = &from.x + (&to.x - &from.x) * PROBED_PART;
-    let part = &moved - &from.x;
     let step = |x: Vector| {
         let at = Moment { t: from.t, x };
         let jacobian = jacobian_of(system, mode, &at);
         newton_step(system, mode, &at, &jacobian, system.states())
     };
-    let back = step(moved)? - step(from.x.clone())?;
-    Some((back + &part).norm() <= 0.5 * part.norm() && part.amax() > 0.0)
+    let (way, here) = (&to.x - &from.x, step(from.x.clone())?);
+    let mut part = PROBED_PART;
+    while part > f64::EPSILON {
+        let moved = &from.x + &way * part;
+        let by = &moved - &from.x;
+        let back = step(moved)? - &here;
+        if (back + &by).norm() <= LEFT * by.norm() && by.amax() > 0.0 {
+            return Some(true);
+        }
+        part *= PROBED_PART;
+    }
+    Some(false)
 }
 
 /// Newton's step towards an equilibrium.

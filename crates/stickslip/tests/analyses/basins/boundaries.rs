@@ -1,6 +1,6 @@
 //! Entropy and dimension of boundaries that are known.
 
-use std::f64::consts::LN_2;
+use std::f64::consts::{LN_2, PI};
 
 use numerics::SplitMix;
 use stickslip::analysis::{
@@ -210,4 +210,16 @@ fn an_equilibrium_where_terms_cancel_is_one_attractor() {
     let starts = [[-2e-12], [2e-12], [-3e-13], [3e-13]];
     let found = basin(system.dynamics(), starts, &settings, &options).unwrap();
     assert_eq!(found.reached, [0, 1, 0, 1]);
+}
+
+/// A pendulum that has turned over many times hangs at another angle, however many: a step of the
+/// way from well to well leads through others.
+#[test]
+fn wells_far_apart_are_distinct() {
+    let system = system(&[("x", "v"), ("v", "-sin(x) - 0.5*v")], 0.0);
+    let (settings, options) = (RecurrenceSettings::within(200.0), Options::tol(1e-12));
+    let wells = [0.0, 1.0, 20.0, 64.0, 128.0, 1e4];
+    let starts = wells.map(|turns| [2.0 * PI * turns + 0.1, 0.0]);
+    let found = basin(system.dynamics(), starts, &settings, &options).unwrap();
+    assert_eq!(found.reached, [0, 1, 2, 3, 4, 5]);
 }
