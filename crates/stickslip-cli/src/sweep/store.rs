@@ -322,9 +322,9 @@ fn remove(path: &Path) -> Result<(), SweepError> {
 }
 
 /// Tries of a lock, with a pause before each, before another process is said to hold it. A process
-/// that was just killed, or one that it was about to begin, holds it for a moment.
-const LOCK_TRIES: u32 = 20;
-const LOCK_PAUSE: std::time::Duration = std::time::Duration::from_millis(25);
+/// that was just killed holds it for a moment, and so does a child that has not begun its program.
+const LOCK_TRIES: u32 = 10;
+const LOCK_PAUSE: std::time::Duration = std::time::Duration::from_millis(1);
 
 /// Acquires the lock of a share. Its holder removes what a killed process has left in the folders
 /// for unfinished files.
