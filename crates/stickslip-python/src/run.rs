@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{EventDerivatives, OrbitDerivatives};
 use stickslip::dynamics::{
-    Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Section,
-    Solution, Step, Summary, Transition, Vector, Watching,
+    Matrix, Modes, Moment, OrbitEvent, OrbitProgress, OrbitUnderWay, Passage, Phase, RecordedOrbit,
+    RunMemory, Sampling, Section, Summary, Transition, Vector, Watching,
 };
 use stickslip::error::readable;
 use stickslip::{Ending, Error, Options};
@@ -59,44 +59,13 @@ impl Signals {
     }
 }
 
-/// Passages of one event.
-struct Passages {
-    found: Vec<Passage>,
-    /// Number of passages after which the run ends.
-    most: usize,
-}
-
-impl Passages {
-    fn new(most: usize) -> Self {
-        let found = Vec::new();
-        Passages { found, most }
-    }
-
-    /// Keeps a passage before the limit. The one that ends the run becomes the limit.
-    fn passed(&mut self, at: Passage, limit: &mut f64) -> ControlFlow<()> {
-        let t = at.t;
-        if t > *limit {
-            return ControlFlow::Break(());
-        }
-        self.found.push(at);
-        if self.found.len() == self.most {
-            *limit = t;
-            return ControlFlow::Break(());
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// The passage that ends the run.
-    fn terminal(&self) -> Option<&Passage> {
-        let last = self.found.last();
-        last.filter(|_| self.found.len() == self.most)
-    }
-}
-
 /// Recording of an orbit for Python.
 struct Recording<'a> {
-    /// Passages of each event.
-    events: Vec<Passages>,
+    orbit: RecordedOrbit,
+    /// Number of passages of each event that are left before the run ends; 0 for never.
+    left: Vec<usize>,
+    /// The passage that ends the run.
+    terminal: Option<Moment>,
     /// The run ends at this time.
     limit: f64,
     /// Signals of Python that end the run; without them, the system itself ends its orbits.
@@ -109,18 +78,6 @@ struct Recording<'a> {
     slide: Option<(Moment, usize)>,
     /// Doubts about the steps so far.
     doubtful: Vec<String>,
-    /// Points at ends of steps, or at the requested times.
-    points: Vec<(f64, Vector)>,
-    /// Whether times are requested.
-    has_requested: bool,
-    /// Requested times that are not yet reached, the next one last.
-    requested: Option<Vec<f64>>,
-    phases: Vec<Phase>,
-    /// Transitions, each with the state after it.
-    transitions: Vec<(Transition, Vector)>,
-    /// Steps with their solutions, if dense output is requested.
-    steps: Option<Vec<(Step, Solution)>>,
-    last: (f64, Vector),
 }
 
 /// Parts of a run to record, besides its phases, transitions and events.
@@ -128,8 +85,7 @@ struct Recording<'a> {
 struct Wanted<'a> {
     /// Numbers of passages of each event that end the run, 0 for never.
     most: &'a [usize],
-    /// Requested times, the last one first; the ends of all steps without them.
-    requested: Option<Vec<f64>>,
+    sampling: Sampling,
     keeps_steps: bool,
     /// The run ends at this time.
     limit: f64,
@@ -140,8 +96,11 @@ struct Wanted<'a> {
 impl Wanted<'_> {
     /// Whether the solution over steps is needed, not only their ends.
     fn needs_solutions(&self, system: &CompiledSystem, t_end: f64) -> bool {
-        let inside = |times: &Vec<f64>| times.iter().any(|t| *t != t_end);
-        system.contacts() > 0 || self.keeps_steps || self.requested.as_ref().is_some_and(inside)
+        let is_inside = match &self.sampling {
+            Sampling::Times(times) => times.iter().any(|t| *t != t_end),
+            _ => false,
+        };
+        system.contacts() > 0 || self.keeps_steps || is_inside
     }
 }
 
@@ -153,13 +112,14 @@ impl<'a> Recording<'a> {
         wanted: Wanted<'_>,
         signals: Option<&'a mut Signals>,
     ) -> Self {
-        let start = (t, Vector::from_column_slice(x));
-        let mut recording = Recording {
-            events: wanted
-                .most
-                .iter()
-                .map(|&most| Passages::new(most))
-                .collect(),
+        let start = Moment {
+            t,
+            x: Vector::from_column_slice(x),
+        };
+        Recording {
+            orbit: RecordedOrbit::new(&start, wanted.sampling, wanted.keeps_steps),
+            left: wanted.most.to_vec(),
+            terminal: None,
             limit: wanted.limit,
             signals,
             friction: FrictionWatch::new(system),
@@ -167,23 +127,7 @@ impl<'a> Recording<'a> {
             past: wanted.is_reversed.then(|| PastWatch::new(system, options)),
             slide: None,
             doubtful: Vec::new(),
-            points: match wanted.requested {
-                None => vec![start.clone()],
-                Some(_) => Vec::new(),
-            },
-            has_requested: wanted.requested.is_some(),
-            requested: wanted.requested,
-            phases: Vec::new(),
-            transitions: Vec::new(),
-            steps: wanted.keeps_steps.then(Vec::new),
-            last: start,
-        };
-        if let Some(requested) = &mut recording.requested {
-            while requested.pop_if(|time| *time == t).is_some() {
-                recording.points.push(recording.last.clone());
-            }
         }
-        recording
     }
 
     fn watch(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
@@ -192,102 +136,65 @@ impl<'a> Recording<'a> {
         }
         match progress {
             OrbitProgress::Step => return self.step(orbit),
-            OrbitProgress::Passage(at) => {
-                return self.events[at.number].passed(at, &mut self.limit);
+            OrbitProgress::Passage(ref at) => {
+                let t = at.t;
+                if t > self.limit {
+                    return ControlFlow::Break(());
+                }
+                let left = &mut self.left[at.number];
+                let is_last = *left == 1;
+                *left = left.saturating_sub(1);
+                if is_last {
+                    self.limit = t;
+                    self.terminal = Some(at.moment());
+                }
+                self.orbit.take(progress, orbit);
+                if is_last {
+                    return ControlFlow::Break(());
+                }
             }
-            OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
-            OrbitProgress::Transition(at) if at.t <= self.limit => {
-                let slide = self.past.as_ref().and_then(|past| past.transition(&at));
+            OrbitProgress::Transition(ref at) => {
+                if at.t > self.limit {
+                    return ControlFlow::Continue(());
+                }
+                let slide = self.past.as_ref().and_then(|past| past.transition(at));
                 if let Some(contact) = slide {
                     self.slide = Some((at.moment(), contact));
                     return ControlFlow::Break(());
                 }
-                let after = Vector::from_column_slice(orbit.x());
-                self.transitions.push((at, after));
+                self.orbit.take(progress, orbit);
             }
-            _ => {}
+            progress => self.orbit.take(progress, orbit),
         }
         ControlFlow::Continue(())
     }
 
     fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
         let step = orbit.last_step();
-        let decision = match (step.t_start > self.limit, &mut self.signals) {
-            (true, _) => ControlFlow::Break(()),
-            (false, Some(signals)) => signals.check_signals(step.t_end),
-            (false, None) => ControlFlow::Continue(()),
-        };
-        if decision.is_continue() {
-            self.slide = self.past.as_ref().and_then(|past| past.step(orbit));
-            self.points_of(&step, orbit);
-            self.friction.step(orbit);
-            self.doubtful.extend(self.monitor.step(&step, &Keywords));
-            if self.monitor.looks_within() {
-                let middle = orbit.solution()(0.5 * (step.t_start + step.t_end));
-                self.monitor.reaches(middle.as_slice());
-            }
-            self.last = (step.t_end, step.x_end.clone());
+        if step.t_start > self.limit {
+            return ControlFlow::Break(());
         }
-        if let Some(steps) = &mut self.steps {
-            steps.push((step, orbit.solution()));
+        if let Some(signals) = &mut self.signals {
+            signals.check_signals(step.t_end)?;
         }
+        self.slide = self.past.as_ref().and_then(|past| past.step(orbit));
+        self.friction.step(orbit);
+        self.doubtful.extend(self.monitor.step(&step, &Keywords));
+        if self.monitor.looks_within() {
+            let middle = orbit.solution()(0.5 * (step.t_start + step.t_end));
+            self.monitor.reaches(middle.as_slice());
+        }
+        self.orbit.step(step, orbit);
         match self.slide {
             Some(_) => ControlFlow::Break(()),
-            None => decision,
+            None => ControlFlow::Continue(()),
         }
-    }
-
-    /// Records the points in a step.
-    fn points_of(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) {
-        match &mut self.requested {
-            Some(requested) => {
-                let mut solution = None;
-                while let Some(t) = requested.pop_if(|t| *t <= step.t_end) {
-                    let x = match t == step.t_end {
-                        true => step.x_end.clone(),
-                        false => solution.get_or_insert_with(|| orbit.solution())(t),
-                    };
-                    self.points.push((t, x));
-                }
-            }
-            None => {
-                // After a jump the orbit continues from another state.
-                if self.last.1 != step.x_start {
-                    self.points.push((step.t_start, step.x_start.clone()));
-                }
-                self.points.push((step.t_end, step.x_end.clone()));
-            }
-        }
-    }
-
-    /// Removes what lies after the event that ends the run.
-    fn cut(&mut self, at: &Moment) {
-        let wants_all = self.requested.is_none();
-        self.transitions.retain(|(one, _)| one.t <= at.t);
-        self.points.retain(|(t, _)| *t <= at.t);
-        if wants_all && self.points.last().is_none_or(|(t, _)| *t < at.t) {
-            self.points.push((at.t, at.x.clone()));
-        }
-        self.phases.retain(|phase| phase.t_start < at.t);
-        if let Some(phase) = self.phases.last_mut()
-            && phase.t_end > at.t
-        {
-            (phase.t_end, phase.x_end) = (at.t, at.x.clone());
-        }
-        self.last = (at.t, at.x.clone());
     }
 }
 
 /// Result of a run.
 struct Solved {
-    events: Vec<Passages>,
-    points: Vec<(f64, Vector)>,
-    phases: Vec<Phase>,
-    /// Transitions, each with the state after it.
-    transitions: Vec<(Transition, Vector)>,
-    steps: Option<Vec<(Step, Solution)>>,
-    /// The end of the run.
-    last: (f64, Vector),
+    orbit: RecordedOrbit,
     doubtful: Vec<String>,
     outcome: Result<Summary, Error>,
     memory: Option<RunMemory>,
@@ -305,47 +212,34 @@ impl Recording<'_> {
         outcome: Result<Summary, Error>,
         memory: Option<RunMemory>,
     ) -> Solved {
-        // A jump at the very end leads to another state.
-        if let Ok(end) = &outcome
-            && self.last.1 != end.x
-            && end.t == self.last.0
-        {
-            let last = (end.t, end.x.clone());
-            match self.points.last_mut() {
-                Some(point) if self.has_requested && point.0 == end.t => *point = last.clone(),
-                _ if !self.has_requested => self.points.push(last.clone()),
-                _ => {}
-            }
-            self.last = last;
+        if let Ok(end) = &outcome {
+            self.orbit.finish(end);
         }
-        let terminal = self.events.iter().filter_map(Passages::terminal);
-        let terminal = terminal.min_by(|a, b| a.t.total_cmp(&b.t)).cloned();
-        if let Some(at) = &terminal {
-            self.cut(&at.moment());
-            let found = self.events.iter_mut().map(|event| &mut event.found);
-            found.for_each(|found| found.retain(|one| one.t <= at.t));
-        }
-        if let Some((at, _)) = self.slide.clone() {
-            self.cut(&at);
-        }
+        let cuts = [
+            self.terminal.as_ref(),
+            self.slide.as_ref().map(|slide| &slide.0),
+        ];
+        cuts.into_iter().flatten().for_each(|at| self.orbit.cut(at));
         let mut doubtful = self.doubtful;
         doubtful.extend(self.friction.warning());
         doubtful.extend(self.monitor.below_tolerance(system, &Keywords));
         Solved {
-            events: self.events,
-            points: self.points,
-            phases: self.phases,
-            transitions: self.transitions,
-            steps: self.steps,
-            last: self.last,
+            orbit: self.orbit,
             doubtful,
             outcome,
             // An event that ends the run leaves no step that its end has shortened.
-            memory: memory.filter(|_| terminal.is_none()),
-            is_terminated: terminal.is_some(),
+            memory: memory.filter(|_| self.terminal.is_none()),
+            is_terminated: self.terminal.is_some(),
             slide: self.slide,
         }
     }
+}
+
+/// The requested times, or the ends of all steps.
+fn sampling(t_eval: Option<PyReadonlyArray1<'_, f64>>) -> Sampling {
+    t_eval.map_or(Sampling::Steps, |times| {
+        Sampling::Times(times.as_array().to_vec())
+    })
 }
 
 /// Sections of the system, one for each event. Without events the section of the system is not
@@ -422,7 +316,6 @@ pub(crate) fn solve<'py>(
     let (t_end, limit) = until;
     let from: Option<RunMemory> = from.map(remembered).transpose()?;
     let options = settings.options()?;
-    let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
     // An event or a jump may end the run earlier.
     let jumps = &system.compiled.file.jumps;
@@ -433,7 +326,7 @@ pub(crate) fn solve<'py>(
     let mut signals = Signals::new(report);
     let wanted = Wanted {
         most: &most,
-        requested,
+        sampling: sampling(t_eval),
         keeps_steps: dense_output,
         limit,
         is_reversed,
@@ -449,7 +342,14 @@ pub(crate) fn solve<'py>(
         true => None,
         false => Some(py.detach(|| differentiated(compiled, &variables, run, most.len(), &solved))),
     };
-    let fields = described(py, compiled, solved, (t, x.len()))?;
+    let keeps_steps = dense_output;
+    let fields = described(
+        py,
+        compiled,
+        solved,
+        (t, x.len()),
+        (most.len(), keeps_steps),
+    )?;
     if let Some(found) = found {
         let found = found.map_err(|error| match error {
             DerivativeError::Setting(error) => PyValueError::new_err(error.to_string()),
@@ -469,15 +369,19 @@ fn differentiated(
     system: &CompiledSystem,
     variables: &Variables,
     (start, t_end, options): ((f64, &[f64]), f64, &Options),
-    events: usize,
+    events_count: usize,
     solved: &Solved,
 ) -> Result<OrbitDerivatives, DerivativeError> {
-    let mut times: Vec<f64> = solved.points.iter().map(|point| point.0).collect();
+    let orbit = &solved.orbit;
+    let mut times: Vec<f64> = orbit.points.iter().map(|point| point.0).collect();
     let wanted = times.len();
     // A jump that falls on the end leads to the last state.
-    let last = solved.points.last().zip(solved.transitions.last());
-    let is_behind = |(point, (at, after)): &(&(f64, Vector), &(Transition, Vector))| {
-        point.0 == at.t && point.1 == *after && *after != at.x
+    let mut events = orbit.events.iter().rev();
+    let jump = events.find(|event| event.transition().is_some());
+    let last = orbit.points.iter().next_back().zip(jump);
+    let is_behind = |((t, x), event): &((f64, &[f64]), &OrbitEvent)| {
+        let (before, after) = (event.before(), event.after());
+        *t == event.t() && *x == after.as_slice() && after != before
     };
     let is_once = wanted < 2 || times[wanted - 2] < times[wanted - 1];
     let is_behind = is_once && last.as_ref().is_some_and(is_behind);
@@ -485,20 +389,17 @@ fn differentiated(
         times.push(times[wanted - 1]);
     }
     // Events go on behind the last requested time.
-    times.extend(Some(solved.last.0).filter(|last| times.last().is_none_or(|t| t < last)));
-    let sections = watched(system, events);
+    times.extend(Some(orbit.end.t).filter(|last| times.last().is_none_or(|t| t < last)));
+    let sections = watched(system, events_count);
     let mut found = variables.along(system, (start, t_end), (&times, &sections), options)?;
     if is_behind {
         found.states.remove(wanted - 1);
     }
     found.states.truncate(wanted);
-    variables.fit(
-        system,
-        &mut found,
-        solved.transitions.iter().map(|(at, _)| at.t),
-    );
-    for (number, event) in solved.events.iter().enumerate() {
-        let mut left = event.found.len();
+    let transitions: Vec<f64> = orbit.transitions().map(|at| at.t).collect();
+    variables.fit(system, &mut found, transitions.into_iter());
+    for number in 0..events_count {
+        let mut left = passages(orbit, number).count();
         found.passages.retain(|(of, _)| {
             let is_kept = *of != number || left > 0;
             left -= usize::from(*of == number && left > 0);
@@ -506,6 +407,12 @@ fn differentiated(
         });
     }
     Ok(found)
+}
+
+/// The passages of one event.
+fn passages(orbit: &RecordedOrbit, number: usize) -> impl Iterator<Item = &Passage> {
+    let all = orbit.passages.iter();
+    all.filter(move |at| at.number == number)
 }
 
 /// Derivatives for Python.
@@ -561,7 +468,7 @@ fn status(solved: &Solved, system: &CompiledSystem, t_start: f64) -> Result<(i32
         _ if solved.is_terminated => Ok((1, "A termination event occurred.".to_owned())),
         (None, Ok(summary)) => Ok(ending(summary, system)),
         // An error at the start leaves no result to return.
-        (None, Err(error)) if solved.last.0 == t_start => Err(error.clone()),
+        (None, Err(error)) if solved.orbit.end.t == t_start => Err(error.clone()),
         (None, Err(error)) => Ok((-1, words(error, system))),
     }
 }
@@ -582,6 +489,7 @@ fn described<'py>(
     system: &CompiledSystem,
     solved: Solved,
     (t_start, states): (f64, usize),
+    (events, keeps_steps): (usize, bool),
 ) -> PyResult<Fields<'py>> {
     if let Some((at, contact)) = &solved.slide
         && at.t == t_start
@@ -594,18 +502,16 @@ fn described<'py>(
     let status = status(&solved, system, t_start);
     let (status, message) = status.map_err(|error| failed(&error, Some(system)))?;
     let fields = Fields::new(py);
-    let points = &solved.points;
-    fields.numbers("t", points.iter().map(|point| point.0))?;
-    fields.rows("y", points.iter().map(|point| &point.1), states)?;
+    let orbit = solved.orbit;
+    add_points(&fields, &mut || orbit.points.iter(), states)?;
     let stops = system.file.stops.len();
     if stops > 0 {
-        let reactions = reactions(system, &solved)?;
+        let reactions = reactions(system, &orbit)?;
         fields.array("forces", reactions, [stops])?;
     }
-    let events = solved.events.iter().map(|event| {
-        let found = &event.found;
-        let times = PyArray1::from_iter(py, found.iter().map(|at| at.t));
-        let x = found.iter().flat_map(|at| at.x.iter().copied());
+    let events = (0..events).map(|number| {
+        let times = PyArray1::from_iter(py, passages(&orbit, number).map(|at| at.t));
+        let x = passages(&orbit, number).flat_map(|at| at.x.iter().copied());
         Ok((times, array(py, x.collect(), [states])?))
     });
     fields.put("events", events.collect::<PyResult<Vec<_>>>()?)?;
@@ -616,67 +522,77 @@ fn described<'py>(
     fields.put("message", message)?;
     let calls = solved.outcome.as_ref().ok();
     fields.put("nfev", calls.map(|summary| summary.counters.field_calls))?;
-    fields.put("t_end", solved.last.0)?;
+    fields.put("t_end", orbit.end.t)?;
     let transitions = Fields::new(py);
-    add_transitions(&transitions, system, &mut || solved.transitions.iter())?;
+    add_transitions(&transitions, system, &mut || orbit.events.iter())?;
     fields.fields("transitions", transitions)?;
     let phases = Fields::new(py);
-    add_phases(&phases, system, &mut || solved.phases.iter())?;
+    add_phases(&phases, system, &mut || orbit.phases.iter())?;
     fields.fields("phases", phases)?;
     fields.put("doubtful", solved.doubtful)?;
-    let end = solved.last;
-    let dense = solved.steps.map(|steps| Dense { steps, end });
+    let dense = keeps_steps.then(|| Dense(orbit));
     fields.put("sol", dense)?;
     Ok(fields)
 }
 
 /// The reactions of all stops at the points, in the phases of these. Of two points of one time,
 /// between which the state jumps, the second is in the next phase.
-fn reactions(system: &CompiledSystem, solved: &Solved) -> PyResult<Vec<f64>> {
+fn reactions(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<Vec<f64>> {
     let quantities = system.quantities(&[]);
     let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
-    let mut phases = solved.phases.iter().peekable();
+    let mut phases = orbit.phases.iter().peekable();
     let mut all = Vec::new();
     let mut last = f64::NAN;
-    for (t, x) in &solved.points {
-        let is_over = |phase: &&Phase| phase.t_end < *t || phase.t_end == *t && last == *t;
+    for (t, x) in orbit.points.iter() {
+        let is_over = |phase: &&Phase| phase.t_end < t || phase.t_end == t && last == t;
         let mut before = None;
         while let Some(phase) = phases.next_if(is_over) {
             before = Some(phase);
         }
-        last = *t;
-        let phase = phases.peek().copied().or(before).or(solved.phases.last());
+        last = t;
+        let phase = phases.peek().copied().or(before).or(orbit.phases.last());
         let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
-        all.extend(quantities.at(&mode, *t, x.as_slice()));
+        all.extend(quantities.at(&mode, t, x));
     }
     Ok(all)
 }
 
+/// Adds the columns of points.
+fn add_points<'s, I: Iterator<Item = (f64, &'s [f64])>>(
+    fields: &Fields<'_>,
+    all: &mut dyn FnMut() -> I,
+    states: usize,
+) -> PyResult<()> {
+    fields.numbers("t", all().map(|(t, _)| t))?;
+    fields.array("y", all().flat_map(|(_, x)| x).copied().collect(), [states])
+}
+
 /// Adds the columns of transitions, each with the state after it.
-fn add_transitions<'s, I: Iterator<Item = &'s (Transition, Vector)>>(
+fn add_transitions<'s, I: Iterator<Item = &'s OrbitEvent>>(
     table: &Fields<'_>,
     system: &CompiledSystem,
-    all: &mut dyn FnMut() -> I,
+    events: &mut dyn FnMut() -> I,
 ) -> PyResult<()> {
     let states = system.states();
     let letters = |modes: &Modes| system.letters(modes);
     let contact = |&number: &usize| system.contact_name(number);
-    table.numbers("t", all().map(|(at, _)| at.t))?;
-    table.words("kind", all().map(|(at, _)| at.kind), |kind| kind.name())?;
-    table.words("contact", all().map(|(at, _)| at.contact), contact)?;
-    table.words("from_mode", all().map(|(at, _)| at.from), letters)?;
-    table.words("to_mode", all().map(|(at, _)| at.to), letters)?;
-    table.rows("y_before", all().map(|(at, _)| &at.x), states)?;
-    table.rows("y", all().map(|(_, after)| after), states)?;
-    table.numbers("residual", all().map(|(at, _)| at.residual))?;
+    let mut all = || events().filter_map(OrbitEvent::transition);
+    table.numbers("t", all().map(|at| at.t))?;
+    table.words("kind", all().map(|at| at.kind), |kind| kind.name())?;
+    table.words("contact", all().map(|at| at.contact), contact)?;
+    table.words("from_mode", all().map(|at| at.from), letters)?;
+    table.words("to_mode", all().map(|at| at.to), letters)?;
+    table.rows("y_before", all().map(|at| &at.x), states)?;
+    table.numbers("residual", all().map(|at| at.residual))?;
     for (number, stop) in system.file.stops.iter().enumerate() {
-        let impulse = |(at, _): &(Transition, Vector)| {
+        let impulse = |at: &Transition| {
             let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
             impulses.get(number).map_or(0.0, |impulse| impulse + 0.0)
         };
         table.numbers(&format!("impulse.{}", stop.name), all().map(impulse))?;
     }
-    Ok(())
+    let transitions = events().filter(|event| event.transition().is_some());
+    table.rows("y", transitions.map(OrbitEvent::after), states)
 }
 
 /// Adds the columns of phases.
@@ -714,8 +630,6 @@ pub(crate) fn ensemble<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let ((t, t_end), compiled, options) = (span, &system.compiled, settings.options()?);
-    let requested: Option<Vec<f64>> =
-        t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let rows = |of: &PyReadonlyArray2<'py, f64>| -> Vec<Vec<f64>> {
         let rows = of.as_array();
         rows.rows().into_iter().map(|row| row.to_vec()).collect()
@@ -723,7 +637,7 @@ pub(crate) fn ensemble<'py>(
     let (starts, names, values) = (rows(&starts), parameters.0, rows(&parameters.1));
     let wanted = Wanted {
         most: &most,
-        requested,
+        sampling: sampling(t_eval),
         keeps_steps: false,
         limit: f64::INFINITY,
         is_reversed: compiled.file.is_reversed,
@@ -738,7 +652,7 @@ pub(crate) fn ensemble<'py>(
         })
     })?;
     let (found, raised) = outcome.kept(|error| error.raised(compiled))?;
-    described_all(py, compiled, &found, t)?.ended(raised)
+    described_all(py, compiled, &found, t, most.len())?.ended(raised)
 }
 
 /// Follows orbits of one system.
@@ -781,18 +695,18 @@ fn described_all<'py>(
     system: &CompiledSystem,
     all: &[Solved],
     t_start: f64,
+    events: usize,
 ) -> PyResult<Fields<'py>> {
     let states = system.states();
     let counts = |of: &dyn Fn(&Solved) -> usize| -> Vec<i64> {
         all.iter().map(|one| of(one) as i64).collect()
     };
     let fields = Fields::new(py);
-    let points = || all.iter().flat_map(|one| &one.points);
-    fields.integers("points", counts(&|one| one.points.len()))?;
-    fields.numbers("t", points().map(|point| point.0))?;
-    fields.rows("y", points().map(|point| &point.1), states)?;
-    fields.numbers("t_end", all.iter().map(|one| one.last.0))?;
-    fields.rows("y_end", all.iter().map(|one| &one.last.1), states)?;
+    let mut points = || all.iter().flat_map(|one| one.orbit.points.iter());
+    fields.integers("points", counts(&|one| one.orbit.points.len()))?;
+    add_points(&fields, &mut points, states)?;
+    fields.numbers("t_end", all.iter().map(|one| one.orbit.end.t))?;
+    fields.rows("y_end", all.iter().map(|one| &one.orbit.end.x), states)?;
     let ends = all.iter().map(|one| {
         let failed = |error: Error| (-1, words(&error, system));
         status(one, system, t_start).unwrap_or_else(failed)
@@ -809,21 +723,24 @@ fn described_all<'py>(
     fields.texts("doubtful", doubts)?;
     let transitions = Fields::new(py);
     add_transitions(&transitions, system, &mut || {
-        all.iter().flat_map(|one| &one.transitions)
+        all.iter().flat_map(|one| &one.orbit.events)
     })?;
-    fields.integers("transition_counts", counts(&|one| one.transitions.len()))?;
+    let transitions_of = |one: &Solved| one.orbit.transitions().count();
+    fields.integers("transition_counts", counts(&transitions_of))?;
     fields.fields("transitions", transitions)?;
     let phases = Fields::new(py);
     add_phases(&phases, system, &mut || {
-        all.iter().flat_map(|one| &one.phases)
+        all.iter().flat_map(|one| &one.orbit.phases)
     })?;
-    fields.integers("phase_counts", counts(&|one| one.phases.len()))?;
+    fields.integers("phase_counts", counts(&|one| one.orbit.phases.len()))?;
     fields.fields("phases", phases)?;
-    let events = all.first().map_or(0, |one| one.events.len());
     let events = (0..events).map(|number| {
-        let found = || all.iter().flat_map(|one| &one.events[number].found);
+        let found = || all.iter().flat_map(|one| passages(&one.orbit, number));
         let own = Fields::new(py);
-        own.integers("counts", counts(&|one| one.events[number].found.len()))?;
+        own.integers(
+            "counts",
+            counts(&|one| passages(&one.orbit, number).count()),
+        )?;
         own.numbers("t", found().map(|at| at.t))?;
         own.rows("y", found().map(|at| &at.x), states)?;
         own.ended(None)
@@ -851,10 +768,7 @@ fn ending(summary: &Summary, system: &CompiledSystem) -> (i32, String) {
 
 /// The solution over all steps.
 #[pyclass(frozen, module = "stickslip._core")]
-pub(crate) struct Dense {
-    steps: Vec<(Step, Solution)>,
-    end: (f64, Vector),
-}
+pub(crate) struct Dense(RecordedOrbit);
 
 #[pymethods]
 impl Dense {
@@ -864,25 +778,11 @@ impl Dense {
         py: Python<'py>,
         times: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let from = self
-            .steps
-            .first()
-            .map_or(self.end.0, |(step, _)| step.t_start);
-        let to = self.end.0;
-        let state = |&t: &f64| {
-            if !(from..=to).contains(&t) {
-                return Err(failed(&Error::OutsideOrbit { t, from, to }, None));
-            }
-            let index = self.steps.partition_point(|(step, _)| step.t_end < t);
-            Ok(match self.steps.get(index) {
-                Some((step, _)) if t == step.t_end => step.x_end.clone(),
-                Some((_, solution)) => solution(t),
-                None => self.end.1.clone(),
-            })
-        };
         let times = times.as_array();
-        let states = times.iter().map(state).collect::<PyResult<Vec<_>>>()?;
+        let states = times.iter().map(|&t| self.0.at(t));
+        let states = states.collect::<Result<Vec<_>, _>>();
+        let states = states.map_err(|error| failed(&error, None))?;
         let flat = states.iter().flatten().copied().collect();
-        array(py, flat, [self.end.1.len()])
+        array(py, flat, [self.0.end.x.len()])
     }
 }

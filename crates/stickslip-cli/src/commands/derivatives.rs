@@ -2,14 +2,14 @@
 
 use serde_json::{Map, json};
 use stickslip::analysis::{EventDerivatives, PeriodicOrbit};
-use stickslip::dynamics::Matrix;
+use stickslip::dynamics::{Matrix, OrbitEvent};
 use stickslip::error::readable;
 use stickslip::nalgebra::Complex;
 use stickslip_model::file::System;
 use stickslip_model::study::{DerivativeError, OrbitSlopes, OrbitVariables, Variables};
 
 use super::arguments::PreparedRun;
-use super::recording::{Occurrence, Recording};
+use super::recording::{Recording, kind_of, source_of};
 use crate::failure::{Failure, in_words};
 use crate::render::{Report, Table, by_state};
 
@@ -35,12 +35,11 @@ pub(super) fn put(
         t,
         x,
     } = prepared;
-    let times = recording.steps.chunks_exact(1 + system.states());
-    let times: Vec<f64> = times.map(|row| row[0]).collect();
+    let times: Vec<f64> = recording.orbit.points.iter().map(|(t, _)| t).collect();
     let found = variables.along(system, ((*t, x), t_end), (&times, &[]), options);
     let mut found = found.map_err(failure)?;
-    let is_transition = |at: &&Occurrence| matches!(at, Occurrence::Transition(_));
-    let transitions: Vec<_> = recording.transitions.iter().filter(is_transition).collect();
+    let events = recording.orbit.events.iter();
+    let transitions: Vec<_> = events.filter(|at| at.transition().is_some()).collect();
     variables.fit(system, &mut found, transitions.iter().map(|at| at.t()));
     let of_states: Vec<String> = column_names(system, variables, "").collect();
     if !times.is_empty() {
@@ -59,11 +58,11 @@ pub(super) fn put(
         .collect();
     names.extend(column_names(system, variables, "before_"));
     names.extend(column_names(system, variables, "after_"));
-    type Row<'r> = (&'r Occurrence, &'r EventDerivatives);
+    type Row<'r> = (&'r OrbitEvent, &'r EventDerivatives);
     let table = Table::new()
         .column("t", |(at, _): &Row<'_>| at.t())
-        .column("kind", |(at, _)| at.kind(system))
-        .column("contact", |(at, _)| at.of(system))
+        .column("kind", |(at, _)| kind_of(system, at))
+        .column("contact", |(at, _)| source_of(system, at))
         .many("derivatives", names, |(_, of)| {
             let parts = [of.t.clone(), row_by_row(&of.before), row_by_row(&of.after)];
             parts.concat()

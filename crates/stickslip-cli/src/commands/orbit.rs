@@ -114,7 +114,7 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
         report.line("family", family_words(orbit.family));
     }
 
-    let (modes, stick) = phases_of_period(&**system.dynamics(), &recording.phases);
+    let (modes, stick) = phases_of_period(&**system.dynamics(), &recording.orbit.phases);
     let percent = 100.0 * stick / orbit.period;
     if let Some(phases) = explained(system, &modes) {
         report.line("phases", phases);

@@ -4,11 +4,11 @@ use std::ops::ControlFlow;
 
 use plot::Trace;
 use stickslip::dynamics::{
-    Kink, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage, Phase, RunMemory, Step, Summary,
-    Transition, Vector, Watching,
+    Modes, Moment, OrbitEvent, OrbitProgress, OrbitUnderWay, RecordedOrbit, RunMemory, Sampling,
+    Step, Summary, Vector, Watching,
 };
 use stickslip::error::readable;
-use stickslip::{Direction, Error, Mode, Options, TransitionKind};
+use stickslip::{Direction, Error, Mode, Options};
 
 use super::trajectory::{CURVE_WIDTH, HISTORY_SIZE, MOST_POINTS, PORTRAIT_SIZE, stick_width};
 use crate::failure::CommandLine;
@@ -162,75 +162,34 @@ struct PictureStep<'a, 's> {
     quantities: &'a mut Quantities<'s>,
 }
 
-/// An event at one time of an orbit.
-pub(super) enum Occurrence {
-    /// A mode changes, a boundary is touched, or the state jumps.
-    Transition(Transition),
-    /// An input has a kink, or a switch changes its sign.
-    Kink(Kink),
-}
-
-impl Occurrence {
-    pub(super) fn t(&self) -> f64 {
-        match self {
-            Occurrence::Transition(at) => at.t,
-            Occurrence::Kink(at) => at.t,
-        }
-    }
-
-    pub(super) fn x(&self) -> &Vector {
-        match self {
-            Occurrence::Transition(at) => &at.x,
-            Occurrence::Kink(at) => &at.x,
-        }
-    }
-
-    fn is_jump(&self) -> bool {
-        matches!(self, Occurrence::Transition(at) if at.kind == TransitionKind::Jump)
-    }
-
-    /// The modes before and after it.
-    pub(super) fn modes(&self) -> [Modes; 2] {
-        match self {
-            Occurrence::Transition(at) => [at.from, at.to],
-            Occurrence::Kink(at) => [at.mode; 2],
-        }
-    }
-
-    /// Name of the event in tables.
-    pub(super) fn kind(&self, system: &System) -> &'static str {
-        match self {
-            Occurrence::Transition(at) => at.kind.name(),
-            Occurrence::Kink(at) => match system.file.inputs[at.input].shape {
-                InputShape::Switch(_) => "switch",
-                _ => "kink",
-            },
-        }
-    }
-
-    /// Name of the contact, jump or input of the event.
-    pub(super) fn of(&self, system: &System) -> String {
-        match self {
-            Occurrence::Transition(at) => system.contact_name(at.contact),
-            Occurrence::Kink(at) => input_name(system, at.input),
-        }
+/// Name of the kind of an event in tables.
+pub(super) fn kind_of(system: &System, event: &OrbitEvent) -> &'static str {
+    match event {
+        OrbitEvent::Transition { at, .. } => at.kind.name(),
+        OrbitEvent::Kink(at) => match system.file.inputs[at.input].shape {
+            InputShape::Switch(_) => "switch",
+            _ => "kink",
+        },
     }
 }
 
-/// Events and phases of an orbit, and what figures and tables need of its steps.
+/// Name of the contact, jump or input of an event.
+pub(super) fn source_of(system: &System, event: &OrbitEvent) -> String {
+    match event {
+        OrbitEvent::Transition { at, .. } => system.contact_name(at.contact),
+        OrbitEvent::Kink(at) => input_name(system, at.input),
+    }
+}
+
+/// A point of an orbit: time, state, quantities.
+pub(super) type Row<'r> = (f64, &'r [f64], &'r [f64]);
+
+/// A recorded orbit with what figures and tables need besides.
 pub(super) struct Recording {
-    pub(super) phases: Vec<Phase>,
-    pub(super) transitions: Vec<Occurrence>,
-    pub(super) passages: Vec<Passage>,
+    pub(super) orbit: RecordedOrbit,
     /// Doubts about the run.
     pub(super) doubtful: Vec<String>,
-    /// Start, and end of the last step.
-    pub(super) begin: Moment,
-    pub(super) end: Moment,
-    /// Time and states at the ends of steps and behind jumps, in one row after the other. Between
-    /// them the solution is less accurate.
-    pub(super) steps: Vec<f64>,
-    /// Reactions of stops and what else is observed: their names, and a row for each of the steps'.
+    /// Reactions of stops and what else is observed: their names, and a row for each point.
     pub(super) quantities: (Vec<String>, Vec<f64>),
     pub(super) pictures: Option<Pictures>,
     /// The end, if another run can go on from it.
@@ -323,13 +282,13 @@ impl Recording {
         quantities: &Quantities<'_>,
     ) -> Self {
         let start = (begin.t, begin.x.as_slice());
-        let mut recording = Recording {
-            phases: Vec::new(),
-            transitions: Vec::new(),
-            passages: Vec::new(),
+        let sampling = match wanted.steps {
+            true => Sampling::Steps,
+            false => Sampling::Nowhere,
+        };
+        Recording {
+            orbit: RecordedOrbit::new(begin, sampling, false),
             doubtful: Vec::new(),
-            end: begin.clone(),
-            steps: Vec::new(),
             quantities: (quantities.names().to_vec(), Vec::new()),
             pictures: wanted
                 .figures
@@ -342,10 +301,7 @@ impl Recording {
             progress: wanted
                 .progress
                 .then(|| DelayedProgressBar::new("following {bar:40} {percent} %, {eta} to go")),
-            begin: begin.clone(),
-        };
-        recording.row(start.0, start.1);
-        recording
+        }
     }
 
     /// Records what an orbit reports.
@@ -363,11 +319,7 @@ impl Recording {
                 self.step(orbit, quantities);
                 friction.step(orbit);
             }
-            OrbitProgress::PhaseEnd(phase) => self.phases.push(phase),
-            OrbitProgress::Transition(at) => self.transitions.push(Occurrence::Transition(at)),
-            OrbitProgress::Kink(at) => self.transitions.push(Occurrence::Kink(at)),
-            OrbitProgress::Passage(at) => self.passages.push(at),
-            OrbitProgress::End(_) => {}
+            progress => self.orbit.take(progress, orbit),
         }
         ControlFlow::Continue(())
     }
@@ -379,14 +331,9 @@ impl Recording {
         (friction, mut quantities): (FrictionWatch<'_>, Quantities<'_>),
         ended: &Result<Summary, Error>,
     ) {
-        // A jump at the very end leads to another state.
-        if let Ok(end) = ended
-            && self.end.t == end.t
-            && self.end.x != end.x
-        {
-            self.row(end.t, end.x.as_slice());
+        if let Ok(end) = ended {
+            self.orbit.finish(end);
             self.observe(&mut quantities);
-            self.end.x.clone_from(&end.x);
         }
         if let Some(progress) = self.progress.take() {
             progress.clear();
@@ -396,38 +343,28 @@ impl Recording {
         self.doubtful.extend(below);
     }
 
-    /// Adds a row of time and state, if it is wanted.
-    fn row(&mut self, t: f64, x: &[f64]) {
-        if self.wanted.steps {
-            self.steps.push(t);
-            self.steps.extend(x);
-        }
-    }
-
-    /// The rows of time and states, each with its quantities.
-    pub(super) fn rows(&self) -> impl Iterator<Item = (&[f64], &[f64])> {
+    /// The points, each as its time, its state and its quantities.
+    pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         let (names, values) = &self.quantities;
-        let (count, rows) = (names.len(), self.steps.chunks_exact(1 + self.begin.x.len()));
-        rows.enumerate().map(move |(k, row)| {
-            let own = values.get(k * count..(k + 1) * count);
-            (row, own.unwrap_or_default())
-        })
+        let count = names.len();
+        self.orbit
+            .points
+            .iter()
+            .enumerate()
+            .map(move |(k, (t, x))| {
+                let own = values.get(k * count..(k + 1) * count);
+                (t, x, own.unwrap_or_default())
+            })
     }
 
-    /// Computes the quantities of the rows that have none, in the mode of the last step.
+    /// Computes the quantities of the points that have none, in the mode of the last step.
     fn observe(&mut self, quantities: &mut Quantities<'_>) {
-        let (Some(mode), count) = (self.mode, quantities.names().len()) else {
+        let (names, values) = &mut self.quantities;
+        let (Some(mode), false) = (self.mode, names.is_empty()) else {
             return;
         };
-        let width = 1 + self.begin.x.len();
-        let done = match count {
-            0 => return,
-            count => self.quantities.1.len() / count,
-        };
-        for row in self.steps.chunks_exact(width).skip(done) {
-            self.quantities
-                .1
-                .extend(quantities.at(&mode, row[0], &row[1..]));
+        for (t, x) in self.orbit.points.from(values.len() / names.len()) {
+            values.extend(quantities.at(&mode, t, x));
         }
     }
 
@@ -454,37 +391,16 @@ impl Recording {
                 readable(self.t_end)
             ));
         }
-        let at_start = self.transitions.iter().rev();
-        let mut at_start = at_start.take_while(|at| at.t() == step.t_start);
-        if at_start.any(Occurrence::is_jump) {
-            self.row(step.t_start, step.x_start.as_slice());
-        }
-        self.row(step.t_end, step.x_end.as_slice());
+        self.orbit.step(step.clone(), orbit);
         self.observe(quantities);
         if let Some(pictures) = &mut self.pictures {
             pictures.step(&step, &*orbit.solution(), quantities);
         }
-        let (from, to) = (self.begin.t, self.t_end);
+        let (from, to) = (self.orbit.start.t, self.t_end);
         let part = ((step.t_end - from) / (to - from)).clamp(0.0, 1.0);
         if let Some(progress) = &self.progress {
             progress.done((part * FINENESS) as u64, FINENESS as u64);
         }
-        (self.end.t, self.end.x) = (step.t_end, step.x_end);
-    }
-
-    /// Intervals of time in which a contact sticks, independent of the other contacts.
-    pub(super) fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
-        let mut sticks: Vec<(f64, f64)> = Vec::new();
-        for phase in &self.phases {
-            if phase.mode.get(contact) != Mode::Stick {
-                continue;
-            }
-            match sticks.last_mut() {
-                Some(last) if last.1 == phase.t_start => last.1 = phase.t_end,
-                _ => sticks.push((phase.t_start, phase.t_end)),
-            }
-        }
-        sticks
     }
 }
 

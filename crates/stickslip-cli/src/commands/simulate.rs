@@ -9,7 +9,7 @@ use stickslip::{Ending, Error};
 
 use super::arguments::{PreparedRun, RunArguments};
 use super::derivatives;
-use super::recording::{KINDS, Occurrence, Recording, Wanted, direction_name};
+use super::recording::{KINDS, Recording, Row, Wanted, direction_name, kind_of, source_of};
 use super::resume::End;
 use super::starts;
 use super::trajectory::{self, numbered, transitions};
@@ -139,7 +139,7 @@ fn followed(
         }
         Ok(_) => None,
         // The orbit up to an error is written, unless it has no length.
-        Err(error) if recording.end.t > *t => Some(in_words(error, system)),
+        Err(error) if recording.orbit.end.t > *t => Some(in_words(error, system)),
         Err(error) => return Err(error.clone().into()),
     };
     let lists = arguments.run.output.json;
@@ -154,13 +154,13 @@ fn followed(
     if wanted.steps {
         let names = recording.quantities.0.clone();
         let steps = Table::new()
-            .column("t", |row: &(&[f64], &[f64])| row.0[0])
-            .state(system, "", |row| row.0[1..].to_vec())
-            .many("quantities", names, |row| row.1.to_vec());
+            .column("t", |(t, ..): &Row<'_>| *t)
+            .state(system, "", |(_, x, _)| x.to_vec())
+            .many("quantities", names, |(.., quantities)| quantities.to_vec());
         report.table(steps.csv("steps", recording.rows())?);
     }
     let passages = passage_columns(system, false);
-    let rows = || recording.passages.iter().map(|at| (0, at));
+    let rows = || recording.orbit.passages.iter().map(|at| (0, at));
     if !system.sections().is_empty() {
         report.table(passages.csv("section", rows())?);
     }
@@ -197,21 +197,25 @@ pub(super) fn ending(ended: Option<&Summary>) -> &'static str {
 /// The jump that ended the run, if one did.
 fn stopped_by(system: &System, recording: &Recording, ended: Option<&Summary>) -> Option<String> {
     ended.filter(|ended| ended.ending == Ending::Stopped)?;
-    recording.transitions.last().map(|last| last.of(system))
+    recording
+        .orbit
+        .events
+        .last()
+        .map(|last| source_of(system, last))
 }
 
 /// Number of transitions of each kind. Contacts, jumps or inputs are counted separately if there
 /// are several.
 fn counts(system: &System, recording: &Recording) -> Vec<String> {
     let mut counts: Vec<((usize, String), usize)> = Vec::new();
-    for at in &recording.transitions {
-        let kind = KINDS.iter().position(|kind| *kind == at.kind(system));
+    for at in &recording.orbit.events {
+        let kind = KINDS.iter().position(|kind| *kind == kind_of(system, at));
         let kind = kind.unwrap_or(KINDS.len());
-        let is_of_contact =
-            matches!(at, Occurrence::Transition(at) if at.contact < system.contacts());
+        let transition = at.transition();
+        let is_of_contact = transition.is_some_and(|at| at.contact < system.contacts());
         let of = match is_of_contact && system.contacts() == 1 {
             true => String::new(),
-            false => at.of(system),
+            false => source_of(system, at),
         };
         let of = (kind, of);
         match counts.iter_mut().find(|(known, _)| *known == of) {
@@ -230,7 +234,7 @@ fn counts(system: &System, recording: &Recording) -> Vec<String> {
 
 /// The report; its lists are for programs, and take much memory where a run is long.
 fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists: bool) -> Report {
-    let (from, to) = (recording.begin.t, recording.end.t);
+    let (from, to) = (recording.orbit.start.t, recording.orbit.end.t);
     let (begin, end) = (readable(from), readable(to));
     let (ending, by) = (ending(ended), stopped_by(system, recording, ended));
     let words = by
@@ -243,7 +247,7 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists
         .field("ending", ending)
         .field("stopped_by", by);
 
-    let phases = recording.phases.len();
+    let phases = recording.orbit.phases.len();
     report.line("phases", phases).field("phases", phases);
 
     let counts = counts(system, recording);
@@ -253,14 +257,14 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists
     };
     report.line("transitions", counts);
     if lists {
-        let rows = recording.transitions.iter().map(|at| (0, at));
+        let rows = recording.orbit.events.iter().map(|at| (0, at));
         let list = transitions(system, false).json(rows);
         report.field("transitions", list);
     }
 
     let mut all = Map::new();
     for (number, contact) in system.file.contacts.iter().enumerate() {
-        let sticks = recording.sticks_of(number);
+        let sticks = recording.orbit.sticks_of(number);
         let total = sticks.iter().fold(0.0, |sum, (from, to)| sum + (to - from));
         let name = match system.contacts() {
             1 => String::new(),
@@ -279,7 +283,7 @@ fn report(system: &System, recording: &Recording, ended: Option<&Summary>, lists
     report.field("sticks", all);
 
     // No point is recorded after a jump that ends the run.
-    let last = ended.map_or(&recording.end.x, |ended| &ended.x);
+    let last = ended.map_or(&recording.orbit.end.x, |ended| &ended.x);
     let states = system.file.states.iter().zip(last);
     let states = states.map(|(state, &x)| format!("{} = {}", state.name, readable(x)));
     let states: Vec<String> = states.collect();

@@ -11,7 +11,7 @@ use stickslip_model::study::ensemble::by_system;
 use stickslip_model::text_table::{TableError, TextTable};
 
 use super::arguments::RunArguments;
-use super::recording::{Recording, Wanted};
+use super::recording::{self, Recording, Wanted};
 use super::simulate::{end_time, ending, passage_columns};
 use super::trajectory::{phase_columns, transitions, transitions_with_residuals};
 use crate::failure::{Failure, in_words};
@@ -212,7 +212,7 @@ fn tables(
     type Row<'r> = (usize, &'r Followed);
     let end = |orbit: &Followed| match &orbit.ended {
         Ok(summary) => summary.x.clone(),
-        Err(_) => orbit.recording.end.x.clone(),
+        Err(_) => orbit.recording.orbit.end.x.clone(),
     };
     let ends = Table::new()
         .column("orbit", |&(number, _): &Row<'_>| number)
@@ -220,11 +220,11 @@ fn tables(
             values[number - 1].clone()
         })
         .state(system, "_start", |(_, orbit)| {
-            orbit.recording.begin.x.clone()
+            orbit.recording.orbit.start.x.clone()
         })
         .column("t_end", |(_, orbit)| match &orbit.ended {
             Ok(summary) => summary.t,
-            Err(_) => orbit.recording.end.t,
+            Err(_) => orbit.recording.orbit.end.t,
         })
         .column("ending", |(_, orbit)| ending(orbit.ended.as_ref().ok()))
         .state(system, "_end", |(_, orbit)| end(orbit))
@@ -233,13 +233,13 @@ fn tables(
     report.field("orbits", ends.json(numbered()));
     report.table(ends.csv("orbits", numbered())?);
     let phases = numbered().flat_map(|(number, orbit)| {
-        let phases = (1..).zip(&orbit.recording.phases);
+        let phases = (1..).zip(&orbit.recording.orbit.phases);
         phases.map(move |(k, phase)| (number, k, phase))
     });
     report.table(phase_columns(system, true).csv("phases", phases)?);
     let changes = || {
         numbered().flat_map(|(number, orbit)| {
-            let changes = orbit.recording.transitions.iter();
+            let changes = orbit.recording.orbit.events.iter();
             changes.map(move |at| (number, at))
         })
     };
@@ -248,20 +248,20 @@ fn tables(
     report.table(with_residuals.csv("transitions", changes())?);
     if !system.sections().is_empty() {
         let passages = numbered().flat_map(|(number, orbit)| {
-            let passages = orbit.recording.passages.iter();
+            let passages = orbit.recording.orbit.passages.iter();
             passages.map(move |at| (number, at))
         });
         report.table(passage_columns(system, true).csv("section", passages)?);
     }
     if steps {
         let names = orbits.first().map(|one| one.recording.quantities.0.clone());
-        type Numbered<'r> = (usize, (&'r [f64], &'r [f64]));
+        type Numbered<'r> = (usize, recording::Row<'r>);
         let table = Table::new()
             .column("orbit", |&(number, _): &Numbered<'_>| number)
-            .column("t", |(_, row)| row.0[0])
-            .state(system, "", |(_, row)| row.0[1..].to_vec())
+            .column("t", |(_, (t, ..))| *t)
+            .state(system, "", |(_, (_, x, _))| x.to_vec())
             .many("quantities", names.unwrap_or_default(), |(_, row)| {
-                row.1.to_vec()
+                row.2.to_vec()
             });
         let rows = numbered().flat_map(|(number, orbit)| {
             let rows = orbit.recording.rows();

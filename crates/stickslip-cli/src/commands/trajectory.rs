@@ -2,10 +2,10 @@
 
 use plot::*;
 use stickslip::TransitionKind;
-use stickslip::dynamics::Phase;
+use stickslip::dynamics::{OrbitEvent, Phase};
 
 use super::figures::{axis, symbol, time_label, with_unit};
-use super::recording::{Occurrence, Pictures, Recording};
+use super::recording::{Pictures, Recording, kind_of, source_of};
 use crate::render::{OutputError, Report, Table};
 use stickslip_model::file::System;
 
@@ -48,9 +48,9 @@ pub(super) fn put(
     recording: &Recording,
     report: &mut Report,
 ) -> Result<(), OutputError> {
-    let phases = (1..).zip(&recording.phases);
+    let phases = (1..).zip(&recording.orbit.phases);
     let phases = phases.map(|(k, phase)| (0, k, phase));
-    let transitions = recording.transitions.iter().map(|at| (0, at));
+    let transitions = recording.orbit.events.iter().map(|at| (0, at));
     report
         .table(phase_columns(system, false).csv("phases", phases)?)
         .table(transitions_with_residuals(system, false).csv("transitions", transitions)?);
@@ -98,7 +98,7 @@ pub(super) fn phase_columns<'a>(system: &'a System, is_numbered: bool) -> Table<
 }
 
 /// A transition with the number of its orbit.
-pub(super) type TransitionRow<'a> = (usize, &'a Occurrence);
+pub(super) type TransitionRow<'a> = (usize, &'a OrbitEvent);
 
 /// The columns of transitions.
 pub(super) fn transitions<'a>(
@@ -107,17 +107,17 @@ pub(super) fn transitions<'a>(
 ) -> Table<'a, TransitionRow<'a>> {
     let table = numbered(is_numbered, |&(orbit, _): &TransitionRow<'_>| orbit)
         .column("t", |(_, at)| at.t())
-        .column("kind", |(_, at)| at.kind(system))
-        .column("contact", |(_, at)| at.of(system))
+        .column("kind", |(_, at)| kind_of(system, at))
+        .column("contact", |(_, at)| source_of(system, at))
         .modes(system, ("from", "from_"), |(_, at)| at.modes()[0])
         .modes(system, ("to", "to_"), |(_, at)| at.modes()[1])
-        .state(system, "", |(_, at)| at.x().clone());
+        .state(system, "", |(_, at)| at.before().clone());
     let stops = system.file.stops.iter().enumerate();
     stops.fold(table, |table, (stop, entry)| {
         table.column(
             &format!("{}.impulse", entry.name),
             move |(_, at)| match at {
-                Occurrence::Transition(at) if at.kind == TransitionKind::Jump => {
+                OrbitEvent::Transition { at, .. } if at.kind == TransitionKind::Jump => {
                     let impulses = system.impulses(at.contact, at.t, at.x.as_slice());
                     impulses.get(stop).map(|impulse| impulse + 0.0)
                 }
@@ -133,8 +133,8 @@ pub(super) fn transitions_with_residuals<'a>(
     is_numbered: bool,
 ) -> Table<'a, TransitionRow<'a>> {
     transitions(system, is_numbered).column("residual", |(_, at)| match at {
-        Occurrence::Transition(at) => Some(at.residual),
-        Occurrence::Kink(_) => None,
+        OrbitEvent::Transition { at, .. } => Some(at.residual),
+        OrbitEvent::Kink(_) => None,
     })
 }
 
@@ -167,8 +167,8 @@ fn portrait(system: &System, recording: &Recording, pictures: &Pictures) -> Figu
         panel.add(stick.width(stick_width(contacts.len(), k)).legend(&name));
     }
     for (k, jump) in system.file.jumps.iter().enumerate() {
-        let places = recording.transitions.iter().filter_map(|at| match at {
-            Occurrence::Transition(at) if at.contact == contacts.len() + k => {
+        let places = recording.orbit.events.iter().filter_map(|at| match at {
+            OrbitEvent::Transition { at, .. } if at.contact == contacts.len() + k => {
                 Some((at.x[0], at.x[1]))
             }
             _ => None,
@@ -179,15 +179,15 @@ fn portrait(system: &System, recording: &Recording, pictures: &Pictures) -> Figu
             panel.add(markers.size(5.0).legend(&symbol(&jump.name)));
         }
     }
-    let begin = &recording.begin;
+    let begin = &recording.orbit.start;
     let start = Markers::new([(begin.x[0], begin.x[1])]).color(BLACK);
     panel.add(start.open().legend("start"));
-    if !recording.passages.is_empty() {
-        let points = recording.passages.iter().map(|at| (at.x[0], at.x[1]));
+    if !recording.orbit.passages.is_empty() {
+        let points = recording.orbit.passages.iter().map(|at| (at.x[0], at.x[1]));
         let section = Markers::new(points).size(4.0).color(VERMILLION);
         panel.add(section.legend("section"));
     }
-    let phases = recording.phases.iter();
+    let phases = recording.orbit.phases.iter();
     let description = format!(
         "Phase portrait of {}: {} against {}, from t = {} on. It sticks {} times.",
         system.file.name,
@@ -228,7 +228,7 @@ fn by_columns(sticks: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> 
 
 /// All states and further quantities against time, and the intervals in which each contact sticks.
 fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figure {
-    let (from, to) = (recording.begin.t, recording.end.t);
+    let (from, to) = (recording.orbit.start.t, recording.orbit.end.t);
     let time = |label: &str| Axis::new(label, from, to);
     let states = &system.file.states;
     // The minimum is the room for the label beside the strips.
@@ -263,7 +263,7 @@ fn history(system: &System, recording: &Recording, pictures: &Pictures) -> Figur
     };
     let all_sticks = (0..system.contacts()).map(|contact| {
         let columns = MOST_BANDS / strips_of_sticks;
-        by_columns(&recording.sticks_of(contact), (from, to), columns)
+        by_columns(&recording.orbit.sticks_of(contact), (from, to), columns)
     });
     let all_sticks: Vec<Vec<(f64, f64)>> = all_sticks.collect();
     for (k, (name, unit)) in curves.iter().enumerate() {

@@ -12,6 +12,7 @@ mod jumps;
 mod kinds;
 mod memory;
 mod modes;
+mod recorded;
 mod run;
 mod section;
 mod typed;
@@ -23,7 +24,7 @@ use crate::error::{Error, Point};
 use crate::filippov::{Contacts, Direction, Method, Options, Several, Strobe};
 use crate::filippov::{EventOf, PhaseOf, TransitionOf};
 use crate::interval::Interval;
-use crate::orbit::{Counters, Ending, SummaryOf};
+use crate::orbit::{Counters, SummaryOf};
 use crate::system::{Filippov, State};
 
 pub use batch::Listener;
@@ -33,6 +34,7 @@ pub use jumps::{Jumps, KinkShift, Reset, WithJumps};
 use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts};
 pub use memory::RunMemory;
 pub use modes::Modes;
+pub use recorded::{OrbitEvent, Points, RecordedOrbit, Sampling};
 pub(crate) use run::observed;
 use section::NoSection;
 pub use typed::Typed;
@@ -567,75 +569,5 @@ pub(crate) fn run(
         if let OrbitProgress::End(summary) = orbit.step()? {
             return Ok(summary);
         }
-    }
-}
-
-/// A whole orbit: phases, transitions, and every step with the solution over it.
-pub(crate) struct RecordedOrbit {
-    pub phases: Vec<Phase>,
-    pub transitions: Vec<Transition>,
-    pub steps: Vec<(Step, Solution)>,
-    pub start: Moment,
-    pub end: Summary,
-}
-
-impl RecordedOrbit {
-    /// Integrates and stores the orbit up to its end or its failure, which is returned as well.
-    ///
-    /// # Errors
-    /// Those of [`crate::Integration::new`].
-    pub fn solve(
-        dynamics: &dyn Dynamics,
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<(Self, Option<Error>), Error> {
-        let mut orbit = RecordedOrbit {
-            phases: Vec::new(),
-            transitions: Vec::new(),
-            steps: Vec::new(),
-            start: start.clone(),
-            end: Summary {
-                ending: Ending::Failed,
-                t: start.t,
-                x: start.x.clone(),
-                counters: Counters::default(),
-            },
-        };
-        let mut run = dynamics.begin(start, t_end, options, &[])?;
-        loop {
-            match run.step() {
-                Ok(OrbitProgress::Step) => orbit.steps.push((run.last_step(), run.solution())),
-                Ok(OrbitProgress::PhaseEnd(phase)) => orbit.phases.push(phase),
-                Ok(OrbitProgress::Transition(at)) => orbit.transitions.push(at),
-                Ok(OrbitProgress::Passage(_) | OrbitProgress::Kink(_)) => {}
-                Ok(OrbitProgress::End(summary)) => {
-                    orbit.end = summary;
-                    return Ok((orbit, None));
-                }
-                Err(error) => {
-                    let Moment { t, x } = run.now();
-                    (orbit.end.t, orbit.end.x) = (t, x);
-                    return Ok((orbit, Some(error)));
-                }
-            }
-        }
-    }
-
-    /// The state at a time.
-    ///
-    /// # Errors
-    /// [`Error::OutsideOrbit`] where the orbit does not cover the time.
-    pub fn at(&self, t: f64) -> Result<Vector, Error> {
-        let (from, to) = (self.start.t, self.end.t);
-        if !(from..=to).contains(&t) {
-            return Err(Error::OutsideOrbit { t, from, to });
-        }
-        let index = self.steps.partition_point(|(step, _)| step.t_end < t);
-        Ok(match self.steps.get(index) {
-            Some((step, _)) if t == step.t_end => step.x_end.clone(),
-            Some((_, solution)) => solution(t),
-            None => self.end.x.clone(),
-        })
     }
 }

@@ -8,7 +8,7 @@ use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, MarginKind, Shooting};
 use crate::analysis::lagrange::weights;
 use crate::analysis::passages::passages;
-use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Vector, run};
+use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Sampling, Vector, run};
 
 /// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
 /// one's. Chosen: there the Hopf point or two-fold is close, and a bifurcation of other orbits is
@@ -225,10 +225,17 @@ impl Continuation<'_> {
             x: with_parameter(stuck.x.clone(), self.parameter() + further),
         };
         let (system, options) = (self.shooting.system, self.shooting.options);
-        let orbit = RecordedOrbit::solve(system, &start, stuck.t + last.period, options);
-        orbit.is_ok_and(|(orbit, failed)| {
+        let orbit = RecordedOrbit::solve(
+            system,
+            &start,
+            stuck.t + last.period,
+            options,
+            &[],
+            Sampling::Nowhere,
+        );
+        orbit.is_ok_and(|(orbit, ended)| {
             let is_stuck = orbit.phases.iter().all(|one| one.mode.any_sticks());
-            failed.is_none() && orbit.transitions.is_empty() && is_stuck
+            ended.is_ok() && orbit.transitions().next().is_none() && is_stuck
         })
     }
 

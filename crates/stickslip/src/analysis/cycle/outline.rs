@@ -1,7 +1,7 @@
 //! A periodic orbit to be computed: its segments, and the moment at which the first one begins.
 
 use super::{ULPS, unit};
-use crate::dynamics::{Dynamics, Modes, Moment, RecordedOrbit, Transition, Vector};
+use crate::dynamics::{Dynamics, Modes, Moment, RecordedOrbit, Sampling, Transition, Vector};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
@@ -172,15 +172,16 @@ impl Outline {
         // Length of the run in periods: at most one until the first transition, and at most one and
         // a half until it recurs.
         const SPAN: f64 = 2.5;
-        let (orbit, failed) =
-            RecordedOrbit::solve(system, start, start.t + SPAN * period, options)?;
+        let t_end = start.t + SPAN * period;
+        let (orbit, ended) =
+            RecordedOrbit::solve(system, start, t_end, options, &[], Sampling::Nowhere)?;
         if orbit.end.t < start.t + period {
-            return Err(failed.unwrap_or_else(|| orbit.end.no_future_error()));
+            return Err(ended.map_or_else(|error| error, |end| end.no_future_error()));
         }
         let motions = orbit.steps.iter().map(|(step, _)| &step.x_end - &start.x);
         let extent = motions.fold(f64::MIN_POSITIVE, |most, motion| most.max(motion.amax()));
-        let transitions = orbit.transitions.iter();
-        let all: Vec<&Transition> = transitions
+        let all: Vec<&Transition> = orbit
+            .transitions()
             .filter(|at| at.kind != TransitionKind::Touch)
             .collect();
         let chatter = Chatter::all(system, &all);
@@ -217,7 +218,7 @@ impl Outline {
         // The start may lie off the orbit, so that the first transitions do not recur.
         let recurrence = |first| Some((first, recurrence(&transitions, first, period)?));
         let again = (0..transitions.len()).find_map(recurrence);
-        let not_found = failed.unwrap_or(Error::NotFound {
+        let not_found = ended.err().unwrap_or(Error::NotFound {
             what: "a return of the orbit",
             t: start.t,
             span: SPAN * period,
