@@ -309,37 +309,50 @@ fn a_belt_that_rests_holds_a_block_at_the_limit_of_friction() {
     }
 }
 
-/// A slide that reaches a two-fold at t = 11.15393805, with or without a second contact.
-fn slide_to_two_fold(boundaries: &str, far: &str) -> String {
+/// A slide that reaches a two-fold, at t = 11.15393805 from x1 = −0.90679811, with or without a
+/// second contact.
+fn slide_to_two_fold(boundaries: &str, far: &str, x1: f64) -> String {
     format!(
         "name = \"case\"\n[time]\nstart = 8\nend = 15\n[states]\nx0 = \"\"\nx1 = \"\"\nx2 = \"\"\n\
          [contacts.c0]\nboundary = \"0.3503*x0 + 0.1885*x1 + 0.9389*x2 - 0.5884 - \
          0.3616*sin(1.091*t)\"\n{boundaries}[field]\n\
-         x0 = \"-0.2541*x0^3 + 1.289*x0 - 0.4222*x2 + by_side(c0, -0.7373*x1, 0.9362) + 0.5148\"\n\
-         x1 = \"-0.048*x1^3 - 1.273*x2 + by_side(c0, 0.8001*x0, 0.005601) - 0.5916\"\n\
-         x2 = \"-0.3981*x2^3 + 0.5316*x0 + 0.5118*x1 + 0.01729*x2*sin(x2) - \
-         1.5607 + 0.3*cos(1){far}\"\n\
-         [start]\nx0 = 2.6404544259281932\nx1 = -0.9067981121029407\nx2 = 0.07076052537829378\n"
+         x0 = \"-0.2541*x0^3 + 1.289*x0 - 0.4222*x2 - 1 + by_side(c0, -0.7373*x1, 0.9362) + \
+         0.5266 + 0.9882\"\n\
+         x1 = \"-0.048*x1^3 - 1.273*x2 + by_side(c0, 0.8001*x0, 0.005601) - 0.1235 - 0.4681\"\n\
+         x2 = \"-0.3981*x2^3 + 0.5316*x0 + 0.5118*x1 + 0.01729*x2*sin(x2) + 0.5479 - 0.1936 - \
+         1.915 + 0.3*cos(1){far}\"\n\
+         [start]\nx0 = 2.6404544259281932\nx1 = {x1:?}\nx2 = 0.07076052537829378\n"
     )
 }
 
 #[test]
 fn a_slide_ends_at_a_two_fold_however_many_contacts_there_are() {
+    const X1: f64 = -0.9067981121029407;
     let second = "[contacts.far]\nboundary = \"x0 + 100\"\n";
-    for method in METHODS {
-        let ends = [("", ""), (second, " + 0*far")].map(|(boundaries, far)| {
-            let text = slide_to_two_fold(boundaries, far);
-            let run = Run::of(system(&text), &options(method), None);
-            let ended = run.ended.unwrap();
-            assert!(
-                matches!(ended.ending, Ending::TwoFold(_)),
-                "{method}: {ended:?}"
-            );
-            ended.t
-        });
-        for t in ends {
-            // No step resolves the last 5e-7.
-            assert!((t - 11.15393805).abs() < 1e-6, "{method}: {ends:?}");
+    let end = |(boundaries, far): (&str, &str), x1, options: Options| {
+        let text = slide_to_two_fold(boundaries, far, x1);
+        let ended = Run::of(system(&text), &options, None).ended.unwrap();
+        let is_two_fold = matches!(ended.ending, Ending::TwoFold(_));
+        assert!(is_two_fold, "{x1} {options:?}: {ended:?}");
+        ended.t
+    };
+    let at = |tolerance, method: &str| Options {
+        rtol: tolerance,
+        atol: tolerance,
+        ..options(method)
+    };
+    for contacts in [("", ""), (second, " + 0*far")] {
+        for x1 in [X1, X1 - 1e-3, X1 - 3e-4, X1 + 4e-4, X1 + 1e-3] {
+            let exact = end(contacts, x1, at(1e-13, "taylor"));
+            assert!(x1 != X1 || (exact - 11.15393805).abs() < 1e-8, "{exact}");
+            for method in METHODS {
+                for tol in [1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13] {
+                    let t = end(contacts, x1, at(tol, method));
+                    // No step resolves the last 5e-7, nor a touch of ten tolerances.
+                    let off = (t - exact).abs();
+                    assert!(off < 1e-6 + 300.0 * tol, "{method} {tol}: {off:e}");
+                }
+            }
         }
     }
 }

@@ -140,6 +140,10 @@ pub trait Flow<const N: usize> {
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
+    /// The rate at which the fields of both sides lead towards the boundary along which the mode
+    /// slides; zero without one, and with several. Where it is negative, the fields lead apart, and
+    /// the guards may be positive again.
+    fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
     /// The field and all `G` guards. A guard that does not exist is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
 
@@ -297,6 +301,10 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
         self.0.guard(i, t, x)
     }
     #[inline(never)]
+    fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        self.0.attraction(t, x)
+    }
+    #[inline(never)]
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         self.0.field_and_guards(t, x)
     }
@@ -412,6 +420,13 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
             Mode::Slip(Side::Below) => in_mode!(Mode::Slip(Side::Below)),
             Mode::Slip(Side::Above) => in_mode!(Mode::Slip(Side::Above)),
             Mode::Stick => in_mode!(Mode::Stick),
+        }
+    }
+
+    fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        match self.mode {
+            Mode::Slip(_) => T::zero(),
+            Mode::Stick => self.guard(0, t, x) + self.guard(1, t, x),
         }
     }
 

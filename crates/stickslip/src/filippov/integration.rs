@@ -10,6 +10,7 @@ use super::root_law::OntoRoot;
 use super::run::{StepState, Trial};
 use super::stepper::{Stepper, Work};
 use super::switched::{IsDriven, Next, Settled, StickingPoint, Switched, UseFlow};
+use super::two_fold::two_fold;
 use crate::error::Error;
 use crate::ode::Timed;
 use crate::orbit::{Counters, Ending, Summary};
@@ -439,11 +440,17 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
         let mode = self.mode;
         let (guard, residual) = (event.guard, event.residual);
-        if event.is_touch {
-            self.record_event(S::contact_of(guard), mode)?;
+        // A slide that touches its end at a two-fold has no unique future.
+        let contact = S::contact_of(guard);
+        let ends = || {
+            S::of_contacts(&mode)[contact] == Mode::Stick
+                && two_fold(self.system, &self.run, mode, contact).is_some()
+        };
+        if event.is_touch && !ends() {
+            self.record_event(contact, mode)?;
             self.run.orders[guard] = 2;
             self.due = Due::Step;
-            let touch = (TransitionKind::Touch, S::contact_of(guard));
+            let touch = (TransitionKind::Touch, contact);
             return Ok(Progress::Transition(self.transition(touch, mode, residual)));
         }
         let mut branch = self.branch;

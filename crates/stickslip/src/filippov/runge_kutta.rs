@@ -9,12 +9,12 @@ use super::locate::{DenseGuard, Limits, Origin, StepMethod};
 use super::options::Locator;
 use super::run::{StepState, Trial};
 use super::scan::{BoundsBudget, is_defined};
-use super::uncertainty::uncertainty;
+use super::uncertainty::{propagate, uncertainty};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::ode::control::{squared_error, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, further_slopes, stages};
-use crate::system::State;
+use crate::system::{State, components};
 
 /// A guard is not a number in a part of the step.
 pub(crate) struct Undefined;
@@ -232,8 +232,8 @@ impl<const N: usize, const G: usize> StepState<N, G> {
     /// The first guard that fails in the step, and where.
     ///
     /// # Errors
-    /// No guard fails, but one is not a number somewhere in the step. A shorter step may avoid
-    /// that.
+    /// No guard fails, but one is not a number somewhere in the step; or the step leads a slide to
+    /// where its boundary repels. A shorter step may avoid that.
     #[inline(always)]
     fn first_event<F: Flow<N>>(
         &mut self,
@@ -254,10 +254,21 @@ impl<const N: usize, const G: usize> StepState<N, G> {
                 Err(Undefined) => is_undefined = true,
             }
         }
+        let is_possible = || {
+            let (t, x) = match first {
+                Some(Event { at, .. }) => (at.t, at.x),
+                None => (origin.t + origin.h, dense.at(1.0)),
+            };
+            let of = (origin.flow.dimension(), &self.options.tolerance());
+            let [blur] = propagate(&Timed { t, x }, of, |t, x| [origin.flow.attraction(t, x)]);
+            origin.flow.attraction(t, components(&x)) >= -blur.zero()
+        };
         match first {
-            Some(event) => Ok(Some(event)),
             None if is_undefined => Err(Undefined),
-            None => Ok(None),
+            None if clear == [true; G] => Ok(None),
+            // A slide cannot pass a two-fold, behind which its boundary repels.
+            _ if !is_possible() => Err(Undefined),
+            first => Ok(first),
         }
     }
 

@@ -9,9 +9,12 @@ use super::options::AtRepelling;
 use super::rules::{LieDerivatives, Visibility};
 use super::run::{StepState, TIME_ROUNDING};
 use super::switched::{Next, Switched, UseFlow};
+use super::uncertainty::propagate;
+use crate::dual::Dual;
 use crate::dynamics::Modes;
-use crate::ode::Timed;
+use crate::ode::{Timed, Tolerance};
 use crate::orbit::{Approach, Ending, TwoFold};
+use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State};
 
 /// A two-fold that an orbit reaches within about this time counts as reached. No step resolves the
@@ -26,8 +29,8 @@ const FIELD_DIFFERENCE: f64 = 10.0;
 
 /// The two-fold of a contact at the present state, if there is one: with the other contacts in
 /// their modes, the orbits of both its fields are tangent to its boundary within
-/// [`TWO_FOLD_TIME`]. It is reached by sliding if the orbit has slid for longer than that, else by
-/// crossings.
+/// [`TWO_FOLD_TIME`], or to the tolerances of a touch ([`crate::Options::touch`]). It is reached by
+/// sliding if the orbit has slid for longer than that time, else by crossings.
 pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     run: &StepState<N, G>,
@@ -48,7 +51,11 @@ pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     };
     let [below, above] = [Side::Below, Side::Above].map(|side| {
         let (mode, branch) = slips(side);
-        system.with_flow(mode, branch, MotionOfSide(contact, at))
+        system.with_flow(
+            mode,
+            branch,
+            MotionOfSide(contact, at, run.options.tolerance()),
+        )
     });
     let difference = (above.velocity - below.velocity).norm();
     let rates = [&below, &above].map(|side| side.derivatives[1]);
@@ -58,7 +65,8 @@ pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     }
     let is_tangent = |of: &SideMotion<N>| {
         let [_, first, second, _] = of.derivatives;
-        first.abs() <= second.abs() * within
+        let error = run.options.touch * of.error;
+        first.abs() <= (second.abs() * within).max(error)
     };
     if !is_tangent(&below) || !is_tangent(&above) {
         return None;
@@ -125,13 +133,15 @@ fn with_mode<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The motion of a slipping contact with respect to its boundary.
-struct MotionOfSide<'a, const N: usize>(usize, &'a Timed<N>);
+struct MotionOfSide<'a, const N: usize>(usize, &'a Timed<N>, Tolerance);
 
 struct SideMotion<const N: usize> {
     velocity: State<N>,
     /// Value and time derivatives of the contact's guard: its boundary function, positive on its
     /// side.
     derivatives: [f64; 4],
+    /// Error of the first derivative by the tolerance.
+    error: f64,
     /// Length of the guard's gradient.
     slope: f64,
 }
@@ -140,11 +150,17 @@ impl<const N: usize> UseFlow<N> for MotionOfSide<'_, N> {
     type Output = SideMotion<N>;
 
     fn with<F: Flow<N>>(self, flow: &F) -> SideMotion<N> {
-        let MotionOfSide(guard, at) = self;
+        let MotionOfSide(guard, at, tolerance) = self;
+        let [rate] = propagate(at, (flow.dimension(), &tolerance), |t, x| {
+            let field = flow.field(t, x);
+            let path = std::array::from_fn(|i| Dual::new(x[i], field[i]));
+            [flow.guard(guard, Dual::new(t, Dual::one()), &path).eps]
+        });
         let (slope, _) = gradient(|t, x| flow.guard(guard, t, x), at, flow.dimension());
         SideMotion {
             velocity: flow.velocity(at.t, &at.x),
             derivatives: flow.jet(guard, at.t, &at.x),
+            error: rate.by_tolerance,
             slope: slope.norm(),
         }
     }

@@ -554,6 +554,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S,
         }
     }
 
+    fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
+        match self.count {
+            1 => self.combination(t, x).strength,
+            _ => T::zero(),
+        }
+    }
+
     #[inline(always)]
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         let mut guards = [T::one(); G];
