@@ -17,6 +17,7 @@ mod inputs;
 mod instants;
 mod known_answers;
 mod long_formulas;
+mod old_files;
 mod orbit_derivatives;
 mod orbits;
 mod parse;
