@@ -134,6 +134,17 @@
 //!   [`Attractors`](analysis::Attractors) numbers them. [`basin`](analysis::basin) and
 //!   [`basin_while`](analysis::basin_while) return a [`Basin`](analysis::Basin), with the
 //!   [`Share`](analysis::Share) of each.
+//! - **Basins in numbers**: [`basin_entropy`](analysis::basin_entropy) returns a
+//!   [`BasinEntropy`](analysis::BasinEntropy),
+//!   [`uncertainty_exponent`](analysis::uncertainty_exponent) an
+//!   [`UncertaintyExponent`](analysis::UncertaintyExponent), and
+//!   [`shares_at`](analysis::shares_at) and [`shares_along`](analysis::shares_along)
+//!   [`SharesAt`](analysis::SharesAt) values of a parameter.
+//!   [`return_time`](analysis::return_time) is the time back to an attractor.
+//!   [`least_pushes`](analysis::least_pushes) by [`PushSettings`](analysis::PushSettings) returns
+//!   every [`Push`](analysis::Push) out of a basin, [`edge_state`](analysis::edge_state) by
+//!   [`EdgeSettings`](analysis::EdgeSettings) an [`EdgeState`](analysis::EdgeState) of an
+//!   [`EdgeKind`](analysis::EdgeKind).
 //! - **Sweeps**: [`sweep`](analysis::sweep) follows an attractor by
 //!   [`SweepSettings`](analysis::SweepSettings) and returns every
 //!   [`SweepPoint`](analysis::SweepPoint). [`locate_changes`](analysis::locate_changes), or
@@ -149,15 +160,19 @@
 //!   [`SequenceChange`](analysis::SequenceChange),
 //!   [`SequenceBifurcation`](analysis::SequenceBifurcation)), and its [`Stop`](analysis::Stop).
 //!   [`PartialBranch`](analysis::PartialBranch) is one that can be stored and continued.
-//!   [`switch_branches`](analysis::switch_branches) returns every
-//!   [`SwitchedBranch`](analysis::SwitchedBranch).
+//!   [`switch_branches`](analysis::switch_branches), and
+//!   [`switch_branches_to`](analysis::switch_branches_to) a depth, return every
+//!   [`SwitchedBranch`](analysis::SwitchedBranch). A [`NormalForm`](analysis::NormalForm) tells
+//!   the [`Criticality`](analysis::Criticality) of a flip or torus.
 //!   [`continue_equilibrium`](analysis::continue_equilibrium) returns an
 //!   [`EquilibriumBranch`](analysis::EquilibriumBranch) with
 //!   [`EquilibriumPoint`](analysis::EquilibriumPoint),
 //!   [`SpecialEquilibrium`](analysis::SpecialEquilibrium) and
 //!   [`EquilibriumBifurcation`](analysis::EquilibriumBifurcation),
 //!   [`continue_change`](analysis::continue_change) a [`Curve`](analysis::Curve) in two
-//!   parameters with [`CurvePoint`](analysis::CurvePoint) and
+//!   parameters with [`CurvePoint`](analysis::CurvePoint),
+//!   [`CurveSpecialPoint`](analysis::CurveSpecialPoint)
+//!   ([`CurveBifurcation`](analysis::CurveBifurcation)) and
 //!   [`CurveStop`](analysis::CurveStop).
 //! - **Exponents**: [`lyapunov_spectrum`](analysis::lyapunov_spectrum),
 //!   [`lyapunov_spectrum_watched`](analysis::lyapunov_spectrum_watched) and
@@ -165,8 +180,11 @@
 //!   [`SpectrumOptions`](analysis::SpectrumOptions). A [`Spectrum`](analysis::Spectrum) has
 //!   every [`Exponent`](analysis::Exponent) and its [`Running`](analysis::Running) values.
 //! - **Derivatives**: [`orbit_derivatives`](analysis::orbit_derivatives) by every
-//!   [`Variable`](analysis::Variable) returns [`OrbitDerivatives`](analysis::OrbitDerivatives)
-//!   with [`EventDerivatives`](analysis::EventDerivatives),
+//!   [`Variable`](analysis::Variable), and
+//!   [`orbit_derivatives_of`](analysis::orbit_derivatives_of) a
+//!   [`Differentiated`](analysis::Differentiated) run, return
+//!   [`OrbitDerivatives`](analysis::OrbitDerivatives) with
+//!   [`EventDerivatives`](analysis::EventDerivatives),
 //!   [`periodic_derivatives`](analysis::periodic_derivatives) returns
 //!   [`PeriodicDerivatives`](analysis::PeriodicDerivatives) with
 //!   [`ExtremeDerivatives`](analysis::ExtremeDerivatives).
@@ -183,6 +201,9 @@
 //!   [`DynamicsRef`](dynamics::DynamicsRef); so do [`Typed`](dynamics::Typed), and
 //!   [`WithJumps`](dynamics::WithJumps) for [`Jumps`](dynamics::Jumps).
 //!   [`Components`](dynamics::Components) are a start of any form.
+//! - **Recorded orbits**: [`RecordedOrbit`](dynamics::RecordedOrbit) has every phase,
+//!   [`OrbitEvent`](dynamics::OrbitEvent) and passage, [`Points`](dynamics::Points) at the times
+//!   of a [`Sampling`](dynamics::Sampling), and the state at any time.
 //! - **Runs**: [`OrbitUnderWay`](dynamics::OrbitUnderWay) returns
 //!   [`OrbitProgress`](dynamics::OrbitProgress): [`Step`](dynamics::Step),
 //!   [`Phase`](dynamics::Phase), [`Transition`](dynamics::Transition),

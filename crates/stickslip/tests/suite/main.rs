@@ -17,6 +17,7 @@ mod den_hartog;
 mod endings;
 mod ensemble;
 mod flat;
+mod front_page;
 mod grazes;
 mod lyapunov_equations;
 mod no_allocation;
