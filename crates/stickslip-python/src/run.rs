@@ -421,7 +421,7 @@ pub(crate) fn solve<'py>(
     let is_reversed = system.compiled.file.is_reversed;
     let (t_end, limit) = until;
     let from: Option<RunMemory> = from.map(remembered).transpose()?;
-    let options = settings.options()?;
+    let options = settings.options(&system.compiled)?;
     let requested = t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let (t, x) = start;
     // An event or a jump may end the run earlier.
@@ -713,7 +713,8 @@ pub(crate) fn ensemble<'py>(
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let ((t, t_end), compiled, options) = (span, &system.compiled, settings.options()?);
+    let ((t, t_end), compiled) = (span, &system.compiled);
+    let options = settings.options(compiled)?;
     let requested: Option<Vec<f64>> =
         t_eval.map(|times| times.as_array().iter().rev().copied().collect());
     let rows = |of: &PyReadonlyArray2<'py, f64>| -> Vec<Vec<f64>> {

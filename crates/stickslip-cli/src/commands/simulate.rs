@@ -70,7 +70,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
             .run
             .with_report(|prepared| followed(prepared, arguments, None));
     };
-    let (system, options) = (arguments.run.system()?, arguments.run.solver.options()?);
+    let system = arguments.run.system()?;
+    let options = arguments.run.solver.options(&system)?;
     let memory = End::read(path, &system, &options)?;
     let prepared = PreparedRun {
         system,

@@ -27,6 +27,7 @@ pub(super) fn discrete(
             meaning: None,
             start: Some(entry.formula()?),
             range: None,
+            atol: None,
             is_discrete: true,
         })
     })

@@ -83,7 +83,8 @@ pub(crate) fn continuation<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (parameter, low, high) = range;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     // A branch has two directions, and what begins on it may take all threads.
     let threads = if also.is_some() || branches.is_some() {
         0

@@ -32,7 +32,7 @@ pub(crate) fn lyapunov_spectrum<'py>(
     let (t, x) = start;
     let (transient, duration) = span;
     let compiled = &system.compiled;
-    let settings = SpectrumOptions::over(transient, duration).solver(settings.options()?);
+    let settings = SpectrumOptions::over(transient, duration).solver(settings.options(compiled)?);
     let spectrum = computed(py, 1, (&report, ProgressKind::Time), |task| {
         let system = task.system(compiled)?;
         let start = (t, x.as_slice());

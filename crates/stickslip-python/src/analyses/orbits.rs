@@ -52,7 +52,8 @@ pub(crate) fn periodic_orbit<'py>(
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (origin, x) = start;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     let by = OrbitVariables::named(compiled, derivatives.iter().map(String::as_str));
     let by = by.map_err(|error| {
         PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
@@ -142,7 +143,8 @@ pub(crate) fn poincare_map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (returns, longest, with_derivative) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     let states = x.len();
     let outcome = computed(py, 1, (&report, ProgressKind::Count), |task| {
         let mut found = Vec::new();

@@ -167,7 +167,7 @@ pub fn find_periodic_orbit<Kind>(
     };
     orbit.watch(&[plane(system, mode, &start)]);
     // Within the error of the run, all returns are equally good.
-    let error = SOLVER_TOLERANCES * (options.atol + options.rtol * start.x.norm());
+    let error = SOLVER_TOLERANCES * (options.atol.largest() + options.rtol * start.x.norm());
     let mut returns = Vec::new();
     loop {
         match orbit.step()? {
