@@ -305,6 +305,29 @@ def test_a_block_on_a_belt_sticks_until_the_spring_is_stronger():
     assert np.allclose(sol.sol(middles)[1], 0.2, rtol=0, atol=1e-13)
 
 
+def test_forces_of_a_contact_balance_the_spring_in_stick_and_are_the_law_in_slip():
+    x, v = ss.states("x v")
+    belt = ss.Contact("belt", boundary=v - 0.2, friction=0.4, static=0.5)
+    system = ss.System({x: v, v: -x - belt.friction}, contacts=[belt], start=[0, 0.5])
+    sol = ss.solve_ivp(system, (0, 30))
+    (force,) = sol.forces
+    for phase in sol.phases:
+        within = (sol.t > phase["t_start"]) & (sol.t < phase["t_end"])
+        law = {"S": -sol.y[0], "+": 0.4, "-": -0.4}[phase["mode"]]
+        assert np.allclose(force[within], np.broadcast_to(law, force.shape)[within], atol=1e-12)
+    assert set(sol.phases["mode"]) == {"S", "+", "-"} and np.abs(force).max() <= 0.5 + 1e-12
+    assert np.array_equal(sol.to_pandas()["belt.force"], force)
+    at = ss.solve_ivp(system, (0, 30), t_eval=np.linspace(0, 30, 7))
+    assert at.forces.shape == (1, 7)
+    # The rate of the velocity is what the forces make it.
+    slopes = ss.solve_ivp(system, (0, 30), dense_output=True).sol
+    t = 0.5 * (sol.t[:-1] + sol.t[1:])
+    inside = ss.solve_ivp(system, (0, 30), t_eval=t)
+    rate = (slopes(t + 1e-6)[1] - slopes(t - 1e-6)[1]) / 2e-6
+    far = np.abs(t[:, None] - sol.transitions["t"]).min(axis=1) > 1e-5
+    assert np.allclose(rate[far], (-inside.y[0] - inside.forces[0])[far], atol=1e-6)
+
+
 def test_inputs_and_switches_of_time():
     x = ss.state("x")
     ramp = ss.Switch("ramp", ss.t - 1.5)

@@ -597,10 +597,15 @@ fn described<'py>(
     let points = &solved.points;
     fields.numbers("t", points.iter().map(|point| point.0))?;
     fields.rows("y", points.iter().map(|point| &point.1), states)?;
-    let stops = system.file.stops.len();
-    if stops > 0 {
-        let reactions = reactions(system, &solved)?;
-        fields.array("forces", reactions, [stops])?;
+    let has_friction = system
+        .file
+        .contacts
+        .iter()
+        .any(|one| one.friction.is_some());
+    if has_friction || !system.file.stops.is_empty() {
+        let (names, forces) = forces(system, &solved)?;
+        fields.array("forces", forces, [names.len()])?;
+        fields.put("acting", names)?;
     }
     let events = solved.events.iter().map(|event| {
         let found = &event.found;
@@ -630,9 +635,9 @@ fn described<'py>(
     Ok(fields)
 }
 
-/// The reactions of all stops at the points, in the phases of these. Of two points of one time,
-/// between which the state jumps, the second is in the next phase.
-fn reactions(system: &CompiledSystem, solved: &Solved) -> PyResult<Vec<f64>> {
+/// The forces of all stops and contacts at the points, in the phases of these, and their names. Of
+/// two points of one time, between which the state jumps, the second is in the next phase.
+fn forces(system: &CompiledSystem, solved: &Solved) -> PyResult<(Vec<String>, Vec<f64>)> {
     let quantities = system.quantities(&[]);
     let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let mut phases = solved.phases.iter().peekable();
@@ -647,9 +652,9 @@ fn reactions(system: &CompiledSystem, solved: &Solved) -> PyResult<Vec<f64>> {
         last = *t;
         let phase = phases.peek().copied().or(before).or(solved.phases.last());
         let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
-        all.extend(quantities.at(&mode, *t, x.as_slice()));
+        all.extend(quantities.forces_at(&mode, *t, x.as_slice()));
     }
-    Ok(all)
+    Ok((quantities.force_names(), all))
 }
 
 /// Adds the columns of transitions, each with the state after it.

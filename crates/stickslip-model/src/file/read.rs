@@ -323,6 +323,9 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
                 contact.name
             )));
         }
+        if contact.friction.is_some() {
+            names.add_part(&contact.name, "force", Meaning::Friction(number));
+        }
         Ok(contact)
     })
 }

@@ -11,6 +11,7 @@ mod derivatives;
 mod ensemble;
 mod extremes;
 mod fit;
+mod forces;
 mod friction;
 mod hybrid;
 mod inputs;
