@@ -8,6 +8,7 @@ mod choices;
 mod curve_points;
 mod curves;
 mod derivatives;
+mod double_points;
 mod ensemble;
 mod extremes;
 mod fit;
