@@ -65,6 +65,11 @@ def test_a_branch_turns_at_its_fold():
     assert len(folds) == 1 and folds["parameter"][0] == pytest.approx(-1, abs=1e-6)
     squares = (branch.y**2).sum(axis=1)
     assert np.allclose((squares - 1) ** 2, 1 + branch.parameter, atol=1e-6)
+    exact = np.exp(4 * np.pi * squares * (2 - 2 * squares))
+    for wanted, found, of in zip(exact, branch.multipliers, branch.multiplier_uncertainties):
+        assert of.shape == found.shape == (1,) and of[0] < 1e-6
+        # The radius is known to some 1e-12 itself.
+        assert abs(found[0] - wanted) <= of[0] + 1e-10
 
 
 def circle(p=0.5):

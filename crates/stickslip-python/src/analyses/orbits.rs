@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
+use stickslip::analysis::{
+    PeriodicOrbit, PoincareMap, Stability, multiplier_uncertainties, multipliers,
+};
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
@@ -76,14 +78,16 @@ pub(crate) fn periodic_orbit<'py>(
             true => None,
             false => Some(by.of_orbit(&system, (&orbit, origin), &options)),
         };
+        let is_forced = system.built.depends_on_time;
+        let uncertainties = multiplier_uncertainties(dynamics, &orbit, is_forced, &options);
         Ok((
-            orbit,
+            (orbit, uncertainties),
             phases_of_period(&**dynamics, &phases),
             ranges,
             slopes,
         ))
     })?;
-    let (orbit, (phases, stick), ranges, slopes) =
+    let ((orbit, uncertainties), (phases, stick), ranges, slopes) =
         orbit.whole(|error: Failure| error.raised(compiled))?;
     let slopes = slopes.transpose().map_err(|error| match error {
         DerivativeError::Run(error) => failed(&error, Some(compiled)),
@@ -102,6 +106,7 @@ pub(crate) fn periodic_orbit<'py>(
     let by_rows = orbit.monodromy.transpose();
     fields.array("monodromy", by_rows.as_slice().to_vec(), [orbit.x.len()])?;
     fields.put("multipliers", complex(py, &all))?;
+    fields.numbers("multiplier_uncertainties", uncertainties)?;
     fields.put("stability", stability.to_string())?;
     fields.put("in_stick", stick / orbit.period)?;
     fields.put("phases", compiled.sequence(&phases))?;
