@@ -38,6 +38,10 @@ fn on_curves(
     of
 }
 
+fn is_change(what: &CycleBifurcation, bifurcation: SequenceBifurcation) -> bool {
+    matches!(what, CycleBifurcation::Sequence(change) if change.bifurcation == bifurcation)
+}
+
 /// The only special point of all curves.
 fn only(curves: &[Curve]) -> &CurveSpecialPoint {
     let all: Vec<&CurveSpecialPoint> = curves.iter().flat_map(|curve| &curve.special).collect();
@@ -172,7 +176,7 @@ fn flips_and_tori_at_a_graze_are_named() {
         let grazes = on_curves(
             &dragging(set, 0.5),
             [("p", 0.1, 0.32), ("q", 0.2, 1.4)],
-            |what| matches!(what, CycleBifurcation::Sequence(change) if change.bifurcation == graze),
+            |what| is_change(what, graze),
         );
         for point in grazes.iter().flat_map(|curve| &curve.points) {
             let off = point.parameters[1] - (1.0 - FRAC_1_SQRT_2);
@@ -180,4 +184,28 @@ fn flips_and_tori_at_a_graze_are_named() {
         }
         assert_is(only(&grazes), &what, [1.0, 1.0 - FRAC_1_SQRT_2], 1e-6);
     }
+}
+
+/// Two of these side by side: both graze where `p` and `q` are `1 - 1/√2`.
+#[test]
+fn two_grazes_at_once_are_named() {
+    let text = "name = \"two\"\n[time]\nperiod = \"2*pi\"\n[states]\nx = \"\"\ny = \"\"\n\
+                [parameters]\np = 0.2\nq = 0.2\n\
+                [contacts.one]\nboundary = \"x - 1\"\n[contacts.two]\nboundary = \"y - 1\"\n\
+                [field]\nx = \"-x + p + cos(t) - (1 + one)/20\"\n\
+                y = \"-y + q + cos(t + 1) - (1 + two)/20\"\n[start]\nx = 0.7\ny = 0.7\n";
+    let graze = SequenceBifurcation::GrazingSliding;
+    let grazes = on_curves(text, [("p", 0.1, 0.295), ("q", 0.1, 0.35)], |what| {
+        is_change(what, graze)
+    });
+    let exact = 1.0 - FRAC_1_SQRT_2;
+    for point in grazes.iter().flat_map(|curve| &curve.points) {
+        assert!(
+            (point.parameters[1] - exact).abs() < 1e-9,
+            "{:?}",
+            point.parameters
+        );
+    }
+    let what = CurveBifurcation::TwoChanges([graze, graze]);
+    assert_is(only(&grazes), &what, [exact, exact], 1e-6);
 }
