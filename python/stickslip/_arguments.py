@@ -22,7 +22,7 @@ class OptionsButMethod(TypedDict, total=False):
     """Settings of the solver, for functions with an argument `method`."""
 
     rtol: float
-    atol: float | None
+    atol: float | ArrayLike | None
     max_step: float
     escape: float
     at_repelling: Literal["stop", "below", "above"]
@@ -38,8 +38,9 @@ class Options(OptionsButMethod, total=False):
     ----------
     rtol : float
         Relative tolerance. Default 1e-12.
-    atol : float
-        Absolute tolerance. Default `rtol`.
+    atol : float or array_like
+        Absolute tolerance, of all states or of each in their order; discrete ones may be left out.
+        Default as in the file, or `rtol`.
     method : {"taylor", "dop853"}
         Taylor series, of an order that depends on the tolerance, or the Dormand–Prince method of
         order 8.
@@ -89,15 +90,22 @@ def settings(options: Options) -> dict[str, Any]:
         help = _INSTEAD.get(unknown, f"they are {', '.join(_DEFAULTS)}")
         raise TypeError(f"{unknown!r} is no option: {help}")
     made: dict[str, Any] = {**_DEFAULTS, **options}
-    if made["atol"] is None:
-        made["atol"] = made["rtol"]
-    for name in ("rtol", "atol", "max_step", "escape"):
+    for name in ("rtol", "max_step", "escape"):
         made[name] = real(made[name], name)
+    if made["atol"] is not None:
+        made["atol"] = absolute(made["atol"])
     for name in ("most_events", "most_steps"):
         made[name] = whole(made[name], name)
     for name in ("method", "at_repelling", "at_pile_up"):
         made[name] = str(made[name])
     return made
+
+
+def absolute(atol: Any) -> float | list[float]:
+    """An absolute tolerance: a number, or one for each state."""
+    if np.ndim(as_array(atol, "atol")) == 0:
+        return real(atol, "atol")
+    return [float(value) for value in array(atol, "atol")]
 
 
 def real(value: Any, name: str) -> float:

@@ -210,7 +210,7 @@ def basins(
 def lyapunov_from_data(
     series: NDArray[np.float64],
     dt: float,
-    divergence: float | None,
+    sum_of_all: float | None,
     options: dict[str, Any],
     report: _Report,
 ) -> _Found: ...

@@ -113,6 +113,13 @@ class DataSpectrum(Result):
         With `surrogates`: probability of so small a residual in linear noise.
     surrogate_residuals : ndarray or None
         Residual ratios of the surrogates.
+    diverging_neighbours : dict or None
+        The largest exponent from the divergence of neighbours, which fits no maps: ``rosenstein``
+        and ``kantz`` (exponent and standard error, or None), ``rosenstein_curve``,
+        ``kantz_curves`` (a list, of growing radii) and ``saturation``, the mean logarithm of the
+        distance of any two points. A curve is a dict: ``t`` and ``log_distance`` (arrays),
+        ``radius``, ``references``, and ``straight`` (``from``, ``to``, ``slope``, ``stderr``,
+        ``scatter``, or None). None for fewer than 50 points.
     """
 
     exponents: Floats
@@ -126,6 +133,7 @@ class DataSpectrum(Result):
     balance: tuple[int, float, float] | None
     surrogate_p: float | None
     surrogate_residuals: Floats | None
+    diverging_neighbours: dict[str, Any] | None
 
     def _columns(self) -> dict[str, Any]:
         return {
@@ -361,7 +369,7 @@ def lyapunov_from_data(
     }
     sum_of_all = real_or_none(divergence, "divergence")
     # Parts of a thousand steps each.
-    parts = (0, 3000 if surrogates is None else 4000)
+    parts = (0, 4000 if surrogates is None else 5000)
     with progress_report(progress, "lyapunov_from_data", "", span=parts) as report:
         found = call_engine(
             _core.lyapunov_from_data, rows, number(dt, "dt"), sum_of_all, options, report

@@ -42,6 +42,8 @@ class PeriodicOrbit(Result):
         Derivative of the state after a period with respect to the state at `t`.
     multipliers : ndarray of complex, shape (n,)
         Floquet multipliers. For an autonomous system the first one is trivial.
+    multiplier_uncertainties : ndarray, shape (n,), or None
+        Uncertainty of each, by half the steps; NaN where the orbit is not found again.
     stability : str
         ``"stable"``, ``"unstable"``, or ``"neutral"`` if the largest modulus of a multiplier is 1,
         up to 1e-6.
@@ -83,6 +85,7 @@ class PeriodicOrbit(Result):
     dy_min: Floats | None = None
     dy_max: Floats | None = None
     dmultipliers: NDArray[np.complex128] | None = None
+    multiplier_uncertainties: Floats | None = None
 
     def _columns(self) -> dict[str, Any]:
         return self.solution()._columns()
@@ -202,6 +205,8 @@ class Branch(Result):
         A state on each orbit, and its time.
     multipliers : list of ndarray of complex
         Multipliers of each orbit, except the trivial one.
+    multiplier_uncertainties : list of ndarray
+        Their uncertainties, by half the steps; NaN where an orbit is not found again.
     stability : list of str
         ``"stable"``, ``"neutral"`` or ``"unstable"``, as in `PeriodicOrbit`.
     phases : list of str
@@ -243,6 +248,7 @@ class Branch(Result):
     t: Floats
     y: Floats
     multipliers: list[NDArray[np.complex128]]
+    multiplier_uncertainties: list[Floats]
     stability: list[str]
     phases: list[str]
     special: Table
@@ -265,6 +271,7 @@ class Branch(Result):
             **states_of(self.system, self.y_min, ".min"),
             **states_of(self.system, self.y_max, ".max"),
             **_complex_columns("multiplier", self.multipliers),
+            **_real_columns("multiplier_uncertainty", self.multiplier_uncertainties),
         }
 
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -277,6 +284,10 @@ class Branch(Result):
             "y_min": (of_states, self.y_min),
             "y_max": (of_states, self.y_max),
             "multipliers": (("orbit", "multiplier"), _padded(self.multipliers)),
+            "multiplier_uncertainties": (
+                ("orbit", "multiplier"),
+                _padded(self.multiplier_uncertainties).real,
+            ),
         }
         own = {self.name: ("orbit", self.parameter), "state": list(self.system.states)}
         return variables, own
@@ -543,6 +554,11 @@ def _padded(several: list[NDArray[np.complex128]]) -> NDArray[np.complex128]:
 
 def _complex_columns(name: str, several: list[NDArray[np.complex128]]) -> dict[str, Any]:
     padded = _padded(several)
+    return {f"{name}{k + 1}": padded[:, k] for k in range(padded.shape[1])}
+
+
+def _real_columns(name: str, several: list[Floats]) -> dict[str, Any]:
+    padded = _padded(several).real
     return {f"{name}{k + 1}": padded[:, k] for k in range(padded.shape[1])}
 
 

@@ -228,7 +228,10 @@ class Solution(Result):
     system : System
         The system.
     forces : ndarray, shape (s, m), or None
-        Reactions of the stops at `t`, in their order; None without stops.
+        Reactions of the stops at `t`, in their order, then the friction of the contacts that have
+        a law: in slip that law with the sign of its side, in stick what keeps the boundary's rate
+        at zero. Where several contacts stick and the field is no sum of what each contributes, it
+        is NaN. None without either.
     dy : ndarray, shape (n, m, k), or None
         With `derivatives`: those of the states at `t`, by each of the variables. `transitions` then
         also has ``dt`` (k), ``dy_before`` and ``dy`` (n, k): of the times, and of the states along
@@ -258,6 +261,7 @@ class Solution(Result):
     _memory: str | None = None
     _made: Any = None
     _by: tuple[str, ...] = ()
+    _acting: tuple[str, ...] = ()
     _columns_of_tables: Any = None
 
     def __post_init__(self) -> None:
@@ -298,15 +302,10 @@ class Solution(Result):
         states[:, ::parts] = self.y[:, :-1]
         return np.append(inside, self.t[-1]), np.hstack([states, self.y[:, -1:]])
 
-    def _stops(self) -> list[str]:
-        """The names of the stops, in the order of `forces`."""
-        names = self.transitions.dtype.names or ()
-        return [one.removeprefix("impulse.") for one in names if one.startswith("impulse.")]
-
     def _columns(self) -> dict[str, Any]:
         columns = {"t": self.t, **states_of(self.system, self.y.T)}
         if self.forces is not None:
-            columns |= {f"{name}.force": row for name, row in zip(self._stops(), self.forces)}
+            columns |= {f"{name}.force": row for name, row in zip(self._acting, self.forces)}
         for k, name in enumerate(self._by):
             for state, values in zip(self.system.states, () if self.dy is None else self.dy):
                 columns[f"d{state}/d{name}"] = values[:, k]
@@ -314,7 +313,7 @@ class Solution(Result):
 
     def to_pandas(self) -> Any:
         """The orbit as a `pandas.DataFrame`: a row for each time, a column for each state, and for
-        the force of each stop.
+        the force of each stop and contact.
 
         Returns
         -------
@@ -327,8 +326,8 @@ class Solution(Result):
         variables: dict[str, Any] = {"y": (("state", "t"), self.y)}
         coordinates: dict[str, Any] = {"t": self.t, "state": list(self.system.states)}
         if self.forces is not None:
-            variables["forces"] = (("stop", "t"), self.forces)
-            coordinates["stop"] = self._stops()
+            variables["forces"] = (("contact", "t"), self.forces)
+            coordinates["contact"] = list(self._acting)
         if self.dy is not None:
             variables["dy"] = (("state", "t", "by"), self.dy)
             coordinates["by"] = list(self._by)
@@ -558,6 +557,7 @@ def solve_ivp(
     found["y"] = found["y"].T
     if "forces" in found:
         found["forces"] = found["forces"].T
+        found["_acting"] = tuple(found.pop("acting"))
     of_events = None
     if "derivatives" in found:
         slopes = found.pop("derivatives")

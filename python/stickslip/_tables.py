@@ -140,6 +140,8 @@ def short(value: Any) -> str:
         return np.array2string(value, precision=6, separator=", ")
     if isinstance(value, (list, tuple)) and len(value) > 4:
         return f"<{len(value)}>"
+    if isinstance(value, dict):
+        return f"<{', '.join(map(str, value))}>"
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else str(value)
 
 

@@ -65,6 +65,11 @@ def test_a_branch_turns_at_its_fold():
     assert len(folds) == 1 and folds["parameter"][0] == pytest.approx(-1, abs=1e-6)
     squares = (branch.y**2).sum(axis=1)
     assert np.allclose((squares - 1) ** 2, 1 + branch.parameter, atol=1e-6)
+    exact = np.exp(4 * np.pi * squares * (2 - 2 * squares))
+    for wanted, found, of in zip(exact, branch.multipliers, branch.multiplier_uncertainties):
+        assert of.shape == found.shape == (1,) and of[0] < 1e-6
+        # The radius is known to some 1e-12 itself.
+        assert abs(found[0] - wanted) <= of[0] + 1e-10
 
 
 def circle(p=0.5):
@@ -275,6 +280,13 @@ def test_exponents_of_a_series():
         series.append(4 * series[-1] * (1 - series[-1]))
     found = ss.lyapunov_from_data(series)
     assert found.exponents[0] == pytest.approx(np.log(2), abs=0.02) and found.status[0] == "ok"
+    # Neighbours diverge as fast, until they are as far apart as any two points.
+    value, error = found.diverging_neighbours["rosenstein"]
+    assert abs(value - np.log(2)) < 4 * error < 0.2
+    curve = found.diverging_neighbours["rosenstein_curve"]
+    assert curve["straight"]["slope"] == value and len(curve["t"]) == len(curve["log_distance"])
+    assert curve["log_distance"].max() < found.diverging_neighbours["saturation"] + 0.3
+    assert ss.lyapunov_from_data(series[:45], dimension=1).diverging_neighbours is None
     with pytest.raises(ValueError, match=r"series\[3, 0\] = nan"):
         ss.lyapunov_from_data([0.1, 0.2, 0.3, np.nan])
 
@@ -300,6 +312,15 @@ def test_a_sensor_is_embedded_as_by_the_program(given, tmp_path):
     embedding = told["embedding"] and (told["embedding"]["delay"], told["embedding"]["dimension"])
     assert embedding == found.embedding and told["dimension"] == found.dimension
     assert (found.embedding is None) == (given == {"dimension": 1})
+    ours, theirs = found.diverging_neighbours, told["diverging_neighbours"]
+    for method in ("rosenstein", "kantz"):
+        of_program = theirs[method] and (theirs[method]["exponent"], theirs[method]["stderr"])
+        assert ours[method] == of_program
+    curves = [ours["rosenstein_curve"], *ours["kantz_curves"]]
+    for one, other in zip(curves, [theirs["rosenstein_curve"], *theirs["kantz_curves"]]):
+        assert np.column_stack([one["t"], one["log_distance"]]).tolist() == other["curve"]
+        for key in ("radius", "references", "straight"):
+            assert one[key] == other[key]
 
 
 def test_whole_states_are_not_embedded():

@@ -41,6 +41,7 @@ NUMBERS = [
     ("t", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), dense_output=True).sol([0.5, bad])),
     ("rtol", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), rtol=bad)),
     ("atol", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), atol=bad)),
+    ("atol[1]", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), atol=[1e-9, bad])),
     ("most_events", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), most_events=bad)),
     ("most_steps", lambda bad: ss.solve_ivp(SYSTEM, (0, 1), most_steps=bad)),
     ("t0", lambda bad: ss.periodic_orbit(SYSTEM, START, t0=bad)),

@@ -52,6 +52,9 @@ def test_a_fold_is_followed_in_two_parameters(tmp_path):
     rows = [row for row in table(tmp_path, "curves") if row["what"] == "fold"]
     assert [float(row["q"]) for row in rows] == curve.other.tolist()
     assert [float(row["period"]) for row in rows] == curve.period.tolist()
+    orbits = table(tmp_path, "branch")
+    uncertainties = [float(one["multiplier1_uncertainty"]) for one in orbits]
+    assert uncertainties == [one[0] for one in branch.multiplier_uncertainties]
     with pytest.raises(ValueError, match="also = p: it is the parameter of the branch"):
         ss.continuation(system, p, (-1.5, 1), also=(p, (0, 1)), **along)
     with pytest.raises(TypeError, match="also must be a parameter and its bounds"):

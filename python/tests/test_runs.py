@@ -143,6 +143,10 @@ def test_a_run_goes_on_from_a_solution_with_the_bits_of_one_run():
         ({"t_eval": [0, 0.5, 0.5]}, r"not sorted.*t_eval\[2\] = 0.5 follows 0.5"),
         ({"rtol": 1.0}, "rtol = 1 is not allowed"),
         ({"max_step": 0}, "max_step = 0 is not allowed"),
+        ({"atol": [1e-9]}, "atol has 1 values: give one number for all states, or one for each"),
+        ({"atol": [1e-9] * 3}, "atol has 3 values"),
+        ({"atol": []}, "atol has 0 values"),
+        ({"atol": [1e-9, -1e-9]}, "atol = -1e-9 is not allowed: it must be between 1e-280 and 0.1"),
         ({"t_span": (0, 1, 2)}, "t_span has 3 values"),
         ({"y0": {"x": 1, "u": 0}}, "a value of u, which is no state"),
         ({"y0": [[1, 0]]}, r"its shape is \(1, 2\)"),
@@ -152,6 +156,35 @@ def test_a_run_goes_on_from_a_solution_with_the_bits_of_one_run():
 def test_what_cannot_be_is_refused_by_name(options, words):
     with pytest.raises(ValueError, match=words):
         ss.solve_ivp(oscillator(), **{"t_span": (0, 1), **options})
+
+
+@pytest.mark.filterwarnings("ignore:the state y stays")
+def test_each_state_may_have_its_own_absolute_tolerance(tmp_path):
+    """The second state, exp(sin 40t - t) of 1e-8, is as exact as its own tolerance asks."""
+    x, y = ss.states("x y")
+    system = ss.System({x: -x, y: y * (40 * np.cos(40 * ss.t) - 1)}, start=[1, 1e-8])
+    exact = 1e-8 * np.exp(np.sin(40) - 1)
+
+    def error(atol, **options):
+        sol = ss.solve_ivp(system, (0, 1), rtol=1e-12, atol=atol, **options)
+        return abs(sol.y[1, -1] / exact - 1)
+
+    for method in ("taylor", "dop853"):
+        assert error([1e-6, 1e-18], method=method) < 1e-7
+        assert min(error(1e-6, method=method), error([1e-18, 1e-6], method=method)) > 1e-5
+    one, two = (ss.solve_ivp(system, (0, 1), atol=atol) for atol in (1e-9, np.full(2, 1e-9)))
+    assert np.array_equal(one.y, two.y)
+    # In a file, and of all functions that run orbits.
+    text = system.to_toml().replace('x = ""', 'x = { unit = "", atol = 1e-5 }')
+    assert "atol" in text
+    path = tmp_path / "loose.toml"
+    path.write_text(text, encoding="utf-8")
+    loose, given = ss.System.from_toml(path), [1e-5, 1e-12]
+    run = ss.solve_ivp
+    assert np.array_equal(run(loose, (0, 1)).y, run(system, (0, 1), atol=given).y)
+    assert not np.array_equal(run(loose, (0, 1), atol=1e-12).y, run(loose, (0, 1)).y)
+    ends = [ss.ensemble(loose, [[1, 1e-8]], (0, 1)), ss.ensemble(system, None, (0, 1), atol=given)]
+    assert np.array_equal(ends[0].y[:, 0], ends[1].y[:, 0])
 
 
 @pytest.mark.parametrize(
@@ -270,6 +303,29 @@ def test_a_block_on_a_belt_sticks_until_the_spring_is_stronger():
     assert np.allclose(sticks["t_end"] - sticks["t_start"], way / 0.2, rtol=1e-12)
     middles = 0.5 * (sticks["t_start"] + sticks["t_end"])
     assert np.allclose(sol.sol(middles)[1], 0.2, rtol=0, atol=1e-13)
+
+
+def test_forces_of_a_contact_balance_the_spring_in_stick_and_are_the_law_in_slip():
+    x, v = ss.states("x v")
+    belt = ss.Contact("belt", boundary=v - 0.2, friction=0.4, static=0.5)
+    system = ss.System({x: v, v: -x - belt.friction}, contacts=[belt], start=[0, 0.5])
+    sol = ss.solve_ivp(system, (0, 30))
+    (force,) = sol.forces
+    for phase in sol.phases:
+        within = (sol.t > phase["t_start"]) & (sol.t < phase["t_end"])
+        law = {"S": -sol.y[0], "+": 0.4, "-": -0.4}[phase["mode"]]
+        assert np.allclose(force[within], np.broadcast_to(law, force.shape)[within], atol=1e-12)
+    assert set(sol.phases["mode"]) == {"S", "+", "-"} and np.abs(force).max() <= 0.5 + 1e-12
+    assert np.array_equal(sol.to_pandas()["belt.force"], force)
+    at = ss.solve_ivp(system, (0, 30), t_eval=np.linspace(0, 30, 7))
+    assert at.forces.shape == (1, 7)
+    # The rate of the velocity is what the forces make it.
+    slopes = ss.solve_ivp(system, (0, 30), dense_output=True).sol
+    t = 0.5 * (sol.t[:-1] + sol.t[1:])
+    inside = ss.solve_ivp(system, (0, 30), t_eval=t)
+    rate = (slopes(t + 1e-6)[1] - slopes(t - 1e-6)[1]) / 2e-6
+    far = np.abs(t[:, None] - sol.transitions["t"]).min(axis=1) > 1e-5
+    assert np.allclose(rate[far], (-inside.y[0] - inside.forces[0])[far], atol=1e-6)
 
 
 def test_inputs_and_switches_of_time():

@@ -69,7 +69,7 @@ def test_reactions_of_stops_are_columns():
     floor = ss.Stop("floor", gap=h, acts={w: 1}, restitution=0.5)
     sol = ss.solve_ivp(ss.System({h: w, w: -10.0}, stops=[floor], start=[1, 0]), (0, 5))
     assert np.array_equal(sol.to_pandas()["floor.force"], sol.forces[0])
-    assert np.array_equal(sol.to_xarray().forces.sel(stop="floor"), sol.forces[0])
+    assert np.array_equal(sol.to_xarray().forces.sel(contact="floor"), sol.forces[0])
     assert "floor.force" in sol._repr_html_()
 
 

@@ -11,7 +11,7 @@ mod run;
 mod task;
 
 use pyo3::prelude::*;
-use stickslip::{AtPileUp, AtRepelling, Direction, Method, Options};
+use stickslip::{AbsoluteTolerance, AtPileUp, AtRepelling, Direction, Method, Options};
 use stickslip_model::file::{PeriodError, Source, SystemFile};
 use stickslip_model::study;
 
@@ -131,12 +131,19 @@ impl System {
     }
 }
 
+/// Absolute tolerance: one number for all states, or a list with one for each.
+#[derive(FromPyObject)]
+enum Absolute {
+    All(f64),
+    Each(Vec<f64>),
+}
+
 /// Options of runs.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Settings {
     rtol: f64,
-    atol: f64,
+    atol: Option<Absolute>,
     method: String,
     max_step: f64,
     escape: f64,
@@ -147,7 +154,29 @@ struct Settings {
 }
 
 impl Settings {
-    fn options(&self) -> PyResult<Options> {
+    /// The absolute tolerance for a system. The states that only jumps change may be left out.
+    fn absolute(&self, system: &stickslip_model::file::System) -> PyResult<AbsoluteTolerance> {
+        let each = match &self.atol {
+            Some(Absolute::All(atol)) => return Ok((*atol).into()),
+            Some(Absolute::Each(values)) => values.iter().copied().map(Some).collect(),
+            None => Vec::new(),
+        };
+        let states = &system.file.states;
+        let moving = states.iter().filter(|state| !state.is_discrete).count();
+        let given = each.len();
+        if self.atol.is_some() && given != states.len() && given != moving {
+            let names: Vec<&str> = states[..moving].iter().map(|state| &*state.name).collect();
+            return Err(pyo3::exceptions::PyValueError::new_err(format!(
+                "atol has {given} values: give one number for all states, or one for each of {}",
+                names.join(", ")
+            )));
+        }
+        let found = system.absolute_tolerance(self.rtol, &each);
+        found.map_err(|error| failed(&error, None))
+    }
+
+    /// The options for a system.
+    fn options(&self, system: &stickslip_model::file::System) -> PyResult<Options> {
         let of = |name: &str, value: &str, known: &str| {
             pyo3::exceptions::PyValueError::new_err(format!(
                 "{name} = {value:?} is not allowed: it must be one of {known}"
@@ -155,7 +184,7 @@ impl Settings {
         };
         let options = Options {
             rtol: self.rtol,
-            atol: self.atol,
+            atol: self.absolute(system)?,
             longest_step: self.max_step,
             escape: self.escape,
             most_events: self.most_events,

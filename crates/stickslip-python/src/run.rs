@@ -315,7 +315,7 @@ pub(crate) fn solve<'py>(
     let is_reversed = system.compiled.file.is_reversed;
     let (t_end, limit) = until;
     let from: Option<RunMemory> = from.map(remembered).transpose()?;
-    let options = settings.options()?;
+    let options = settings.options(&system.compiled)?;
     let (t, x) = start;
     // An event or a jump may end the run earlier.
     let jumps = &system.compiled.file.jumps;
@@ -504,10 +504,12 @@ fn described<'py>(
     let fields = Fields::new(py);
     let orbit = solved.orbit;
     add_points(&fields, &mut || orbit.points.iter(), states)?;
-    let stops = system.file.stops.len();
-    if stops > 0 {
-        let reactions = reactions(system, &orbit)?;
-        fields.array("forces", reactions, [stops])?;
+    let mut contacts = system.file.contacts.iter();
+    let has_friction = contacts.any(|one| one.friction.is_some());
+    if has_friction || !system.file.stops.is_empty() {
+        let (names, forces) = forces(system, &orbit)?;
+        fields.array("forces", forces, [names.len()])?;
+        fields.put("acting", names)?;
     }
     let events = (0..events).map(|number| {
         let times = PyArray1::from_iter(py, passages(&orbit, number).map(|at| at.t));
@@ -535,9 +537,9 @@ fn described<'py>(
     Ok(fields)
 }
 
-/// The reactions of all stops at the points, in the phases of these. Of two points of one time,
-/// between which the state jumps, the second is in the next phase.
-fn reactions(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<Vec<f64>> {
+/// The forces of all stops and contacts at the points, in the phases of these, and their names. Of
+/// two points of one time, between which the state jumps, the second is in the next phase.
+fn forces(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<(Vec<String>, Vec<f64>)> {
     let quantities = system.quantities(&[]);
     let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let mut phases = orbit.phases.iter().peekable();
@@ -552,9 +554,9 @@ fn reactions(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<Vec<f64
         last = t;
         let phase = phases.peek().copied().or(before).or(orbit.phases.last());
         let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
-        all.extend(quantities.at(&mode, t, x));
+        all.extend(quantities.forces_at(&mode, t, x));
     }
-    Ok(all)
+    Ok((quantities.force_names(), all))
 }
 
 /// Adds the columns of points.
@@ -629,7 +631,8 @@ pub(crate) fn ensemble<'py>(
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let ((t, t_end), compiled, options) = (span, &system.compiled, settings.options()?);
+    let ((t, t_end), compiled) = (span, &system.compiled);
+    let options = settings.options(compiled)?;
     let rows = |of: &PyReadonlyArray2<'py, f64>| -> Vec<Vec<f64>> {
         let rows = of.as_array();
         rows.rows().into_iter().map(|row| row.to_vec()).collect()

@@ -105,6 +105,17 @@ pub enum Error {
         /// Allowed values, in words.
         bound: &'static str,
     },
+    /// The states and their absolute tolerances are not as many.
+    #[error(
+        "atol has {given} values, and there are {states} states: give one for each, in their \
+            order, or one number for all"
+    )]
+    Tolerances {
+        /// Number of values given.
+        given: usize,
+        /// Number of states.
+        states: usize,
+    },
     /// The end time does not lie after the start, or one of them is not a number.
     #[error(
         "cannot integrate from t = {t0} to t = {t_end}: both must be finite and the end later than \

@@ -259,10 +259,11 @@ pub use nalgebra;
 
 pub use error::Error;
 pub use filippov::{
-    AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord, EventSearch, Failure,
-    Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents, Phase, Plane, Progress,
-    Several, Start, StepRecord, Strobe, Switched, Transition, TransitionKind, Visibility, ensemble,
-    fate, first_zero, normal_component, run, solve, solve_with_events,
+    AbsoluteTolerance, AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord,
+    EventSearch, Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents,
+    Phase, Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition,
+    TransitionKind, Visibility, ensemble, fate, first_zero, normal_component, run, solve,
+    solve_with_events,
 };
 pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
 pub use scalar::Scalar;

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
-use stickslip::{AtPileUp, AtRepelling, Method, Options};
+use stickslip::{AbsoluteTolerance, AtPileUp, AtRepelling, Method, Options};
 
 use crate::failure::Failure;
 use crate::render::{CommandOutput, OutputArguments, Report};
@@ -231,6 +231,42 @@ fn bound(text: &str) -> Result<f64, std::num::ParseFloatError> {
     })
 }
 
+/// `--atol` in manifests: nothing, one number for all states, or the texts that are given.
+mod absolute {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged)]
+    enum Given {
+        Nothing,
+        All(f64),
+        Each(Vec<String>),
+    }
+
+    pub(super) fn serialize<S: Serializer>(
+        given: &[String],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        let number = |text: &String| text.parse::<f64>().ok().filter(|value| value.is_finite());
+        let given = match given {
+            [] => Given::Nothing,
+            [one] => number(one).map_or_else(|| Given::Each(vec![one.clone()]), Given::All),
+            each => Given::Each(each.to_vec()),
+        };
+        given.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<String>, D::Error> {
+        Ok(match Given::deserialize(deserializer)? {
+            Given::Nothing => Vec::new(),
+            Given::All(value) => vec![format!("{value:?}")],
+            Given::Each(each) => each,
+        })
+    }
+}
+
 /// Options of the integration.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub(super) struct SolverArguments {
@@ -238,9 +274,11 @@ pub(super) struct SolverArguments {
     #[arg(long, value_name = "ERROR", default_value = "1e-12")]
     tol: f64,
 
-    /// Absolute tolerance, for states near zero; default as --tol
-    #[arg(long, value_name = "ERROR")]
-    atol: Option<f64>,
+    /// Absolute tolerance, for states near zero, of all states or of one; can be repeated; default
+    /// as in the file, or as --tol
+    #[arg(long, value_name = "[STATE=]ERROR")]
+    #[serde(with = "absolute")]
+    atol: Vec<String>,
 
     /// Integration method
     #[arg(long, value_enum, default_value_t)]
@@ -273,10 +311,49 @@ pub(super) struct SolverArguments {
 }
 
 impl SolverArguments {
-    /// Options of the solver.
-    pub(super) fn options(&self) -> Result<Options, Failure> {
+    /// Absolute tolerances of the states of a system.
+    fn absolute(&self, system: &System) -> Result<AbsoluteTolerance, Failure> {
+        let names = || system.file.states.iter().map(|state| state.name.as_str());
+        let (mut common, mut each) = (None, vec![None; system.states()]);
+        for text in &self.atol {
+            let (place, value, what) = match text.contains('=') {
+                true => {
+                    let (name, value) = assignment("--atol", text)?;
+                    let state = position("state", &name, names())?;
+                    (
+                        &mut each[state],
+                        value,
+                        format!("the state `{}`", normal(&name)),
+                    )
+                }
+                false => {
+                    let value = number(text).map_err(|message| {
+                        let form = "a number is expected, or a state, `=` and a number";
+                        Failure::Usage(format!("--atol {text}: {form}: {message}"))
+                    })?;
+                    (&mut common, value, "that of all states".to_owned())
+                }
+            };
+            if place.replace(value).is_some() {
+                return Err(Failure::Usage(format!(
+                    "--atol {text}: {what} is set twice; set it once"
+                )));
+            }
+        }
+        if let Some(common) = common {
+            each.iter_mut().for_each(|one| *one = one.or(Some(common)));
+            // One number for all is no list.
+            if self.atol.len() == 1 {
+                return Ok(common.into());
+            }
+        }
+        Ok(system.absolute_tolerance(self.tol, &each)?)
+    }
+
+    /// Options of the solver for a system.
+    pub(super) fn options(&self, system: &System) -> Result<Options, Failure> {
         let options = Options {
-            atol: self.atol.unwrap_or(self.tol),
+            atol: self.absolute(system)?,
             longest_step: self.longest_step.unwrap_or(f64::INFINITY),
             most_events: self.most_events.get() as u64,
             most_steps: self.most_steps.get() as u64,
@@ -342,7 +419,7 @@ impl RunArguments {
     /// Reports errors before anything is computed.
     pub(super) fn prepared(&self) -> Result<PreparedRun, Failure> {
         let system = self.system()?;
-        let options = self.solver.options()?;
+        let options = self.solver.options(&system)?;
         let (t, x) = self.start.of(&system)?;
         Ok(PreparedRun {
             system,

@@ -94,7 +94,7 @@ impl Map {
             solver: arguments.run.solver.clone(),
         };
         // Errors should be reported before the sweep, not by one of its blocks.
-        map.solver.options()?;
+        map.solver.options(system)?;
         let (columns, rows) = (map.columns.get() - 1, map.rows.get() - 1);
         for (column, row) in [(0, 0), (columns, 0), (0, rows), (columns, rows)] {
             let system = map.system(system, map.parameters(column, row))?;
@@ -121,7 +121,10 @@ impl Map {
 
     fn cell(&self, system: &System, column: usize, row: usize) -> Result<Cell, Failure> {
         let system = self.system(system, self.parameters(column, row))?;
-        let (settings, options) = (recurrence(&system, self.until), self.solver.options()?);
+        let (settings, options) = (
+            recurrence(&system, self.until),
+            self.solver.options(&system)?,
+        );
         let start = self.start.at_zero(&system, &[])?;
         let reached = attractor_of_many(system.dynamics(), &*start, &settings, &options);
         let reached = reached.map_err(|error| Failure::from(error).of(&system))?;

@@ -51,9 +51,9 @@ pub(super) struct Arguments {
     /// Write no steps.csv
     #[arg(long)]
     no_steps: bool,
-    /// Also write and draw a formula of states, parameters, inputs, time and the reactions of
-    /// stops, as in --observe "friction = mu*floor.force": a column of steps.csv and a panel of
-    /// history.svg. Repeatable. The reactions themselves are there without it
+    /// Also write and draw a formula of states, parameters, inputs, time, reactions of stops and
+    /// friction of contacts, as in --observe "heat = belt.force*v": a column of steps.csv and a
+    /// panel of history.svg. Repeatable. The reactions themselves are there without it
     #[arg(long, value_name = "NAME=FORMULA")]
     observe: Vec<String>,
     #[command(flatten)]
@@ -70,7 +70,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
             .run
             .with_report(|prepared| followed(prepared, arguments, None));
     };
-    let (system, options) = (arguments.run.system()?, arguments.run.solver.options()?);
+    let system = arguments.run.system()?;
+    let options = arguments.run.solver.options(&system)?;
     let memory = End::read(path, &system, &options)?;
     let prepared = PreparedRun {
         system,

@@ -119,7 +119,7 @@ pub(super) fn run(
     (observed, steps): (&[(&str, &str)], bool),
 ) -> Result<CommandOutput, Failure> {
     let system = run.system()?;
-    let options = run.solver.options()?;
+    let options = run.solver.options(&system)?;
     let t_end = end_time(&system, t_end)?;
     let starts = Starts::open(file, &system)?;
     for column in &starts.columns {

@@ -146,7 +146,7 @@ fn parameters_and_starts_can_be_set() {
 #[test]
 fn wrong_arguments_are_reported_with_a_remedy() {
     let top = folder();
-    let bad: [(&[&str], &str); 30] = [
+    let bad: [(&[&str], &str); 35] = [
         (
             &["simulate", "belt", "--set", "muo=1"],
             "there is no parameter `muo`; did you mean `mu0`?",
@@ -178,6 +178,26 @@ fn wrong_arguments_are_reported_with_a_remedy() {
         (
             &["simulate", "belt", "--tol", "1"],
             "--tol 1 is not allowed: it must be between 1e-15 and 0.1",
+        ),
+        (
+            &["simulate", "belt", "--atol", "v=-1e-9"],
+            "--atol -1e-9 is not allowed: it must be between 1e-280 and 0.1",
+        ),
+        (
+            &["simulate", "belt", "--atol", "NaN"],
+            "--atol NaN: a number is expected, or a state, `=` and a number",
+        ),
+        (
+            &["simulate", "belt", "--atol", "y=1e-9"],
+            "there is no state `y`; the states are x, v",
+        ),
+        (
+            &["simulate", "belt", "--atol", "v=1e-9", "--atol", "v=1e-8"],
+            "--atol v=1e-8: the state `v` is set twice",
+        ),
+        (
+            &["simulate", "belt", "--atol", "1e-9", "--atol", "1e-8"],
+            "--atol 1e-8: that of all states is set twice",
         ),
         (
             &["simulate", "belt", "--t-end", "-1"],

@@ -491,3 +491,72 @@ fn reactions_impulses_and_formulas_are_in_the_tables() {
         );
     }
 }
+
+/// What `check` says of a start is what a run from there does. A ball below a floor falls for ever,
+/// whatever its velocity, since only a fall through the floor is a bounce; behind a stop no run
+/// begins.
+#[test]
+fn check_says_what_a_start_behind_the_surface_of_a_jump_will_do() {
+    let file = |rest: &str, h: &str, w: &str| {
+        format!(
+            "name = \"ball\"\n[states]\nh = \"\"\nw = \"\"\n[field]\nh = \"w\"\nw = \"-10\"\n\
+             [start]\nh = {h}\nw = {w}\n[time]\nend = 0.5\n{rest}"
+        )
+    };
+    let bounce = "[jumps.bounce]\nwhen = \"h\"\ndirection = \"falling\"\nset = { w = \"-w/2\" }\n";
+    let floor = "[stops.floor]\ngap = \"h\"\nacts = { w = 1 }\nrestitution = 0.5\n";
+    let end = "[jumps.below]\nwhen = \"h\"\ndirection = \"falling\"\nstop = true\n";
+    let run = |text: &str, name: &str| {
+        let (_top, mut command) = program(text);
+        command.args([name, "system.toml", "--json"]);
+        let output = command.output().unwrap();
+        let words = String::from_utf8(output.stderr).unwrap();
+        match output.status.success() {
+            true => Ok(serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()),
+            false => Err(words),
+        }
+    };
+    for (rest, h, w, doubt) in [
+        (
+            bounce,
+            "-1",
+            "0",
+            "the jump bounce happens where h falls through zero",
+        ),
+        (
+            bounce,
+            "-1",
+            "-1",
+            "the jump bounce happens where h falls through zero",
+        ),
+        (bounce, "1", "0", ""),
+        (
+            end,
+            "-1",
+            "0",
+            "the jump below happens where h falls through zero",
+        ),
+        (floor, "-1", "0", "a run does not begin at the start"),
+        (floor, "1", "0", ""),
+        (floor, "0", "0", ""),
+    ] {
+        let text = file(rest, h, w);
+        let found = run(&text, "check").unwrap();
+        let doubtful = found["doubtful"].as_array().unwrap();
+        let case = format!("{rest} from {h}, {w}: {doubtful:?}");
+        assert_eq!(doubtful.len(), usize::from(!doubt.is_empty()), "{case}");
+        let said = doubtful.first().map_or("", |one| one.as_str().unwrap());
+        assert!(said.starts_with(doubt), "{case}");
+        match run(&text, "simulate") {
+            // Nothing happens, or the ball meets the floor.
+            Ok(done) => {
+                let happened = !done["transitions"].as_array().unwrap().is_empty();
+                assert_eq!(happened, h != "-1", "{case}: {done}");
+            }
+            Err(words) => {
+                let why = said.strip_prefix("a run does not begin at the start: ");
+                assert!(words.contains(why.unwrap()), "{case}: {words}");
+            }
+        }
+    }
+}

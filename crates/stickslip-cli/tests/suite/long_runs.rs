@@ -248,3 +248,25 @@ fn a_state_far_below_its_tolerance_is_named_with_one_that_resolves_it() {
         .success()
         .stdout(contains(transitions).and(contains("stays within").not()));
 }
+
+/// The file's values give the bits of those on the command line, and are replaced by them.
+#[test]
+fn each_state_may_have_its_own_absolute_tolerance() {
+    let text = leine("1e-15");
+    let in_file = text.replace("x = \"\"", "x = { unit = \"\", atol = 1e-27 }");
+    assert_ne!(in_file, text);
+    let steps = |text: &str, arguments: &[&str]| {
+        let (top, mut command) = program(text);
+        command.args(["simulate", "system.toml", "--no-figures", "--out", "run"]);
+        command.args(arguments).assert().success();
+        std::fs::read_to_string(top.path().join("run/steps.csv")).unwrap()
+    };
+    let given = steps(&text, &["--atol", "x=1e-27"]);
+    assert_eq!(steps(&in_file, &[]), given);
+    let coarse = steps(&text, &[]);
+    assert_ne!(coarse, given);
+    assert_eq!(steps(&in_file, &["--atol", "x=1e-12"]), coarse);
+    assert_eq!(steps(&in_file, &["--atol", "1e-12"]), coarse);
+    let both = steps(&text, &["--atol", "1e-12", "--atol", "x=1e-27"]);
+    assert_eq!(both, given);
+}

@@ -145,6 +145,8 @@ pub(super) struct Builder<'a> {
     frictions: Vec<PartState>,
     /// The reactions of the stops, once they are known.
     forces: Option<Vec<Id>>,
+    /// The friction forces of the contacts, where they are known.
+    frictional: Option<Vec<Id>>,
     /// The speed of approach, in a restitution.
     approach: Option<Id>,
     /// Whether a choice may stand here.
@@ -177,6 +179,7 @@ impl<'a> Builder<'a> {
             definitions: vec![PartState::NotYet; file.definitions.len()],
             frictions: vec![PartState::NotYet; file.contacts.len()],
             forces: None,
+            frictional: None,
             approach: None,
             chooses: false,
             sided: 0,
@@ -193,6 +196,12 @@ impl<'a> Builder<'a> {
     /// A builder in whose expressions the reactions of the stops are these.
     pub(super) fn with_forces(mut self, forces: Vec<Id>) -> Self {
         self.forces = Some(forces);
+        self
+    }
+
+    /// A builder in whose expressions the friction forces of the contacts are these.
+    pub(super) fn with_friction_forces(mut self, forces: Vec<Id>) -> Self {
+        self.frictional = Some(forces);
         self
     }
 
@@ -414,6 +423,16 @@ impl<'a> Builder<'a> {
             (Meaning::State(number), _) => Ok(self.graph.state(number)),
             (Meaning::Input(number), _) => self.input(number, place),
             (Meaning::Force(number), _) => Ok(self.all_forces(place)?[number]),
+            (Meaning::Friction(number), _) => match &self.frictional {
+                Some(forces) => Ok(forces[number]),
+                None => {
+                    let contact = &self.file.contacts[number].name;
+                    let message =
+                        format!("`{name}` is known along an orbit alone, as what is observed");
+                    Err(Problem::new(message, place)
+                        .help(format!("in rates and laws it is friction({contact})")))
+                }
+            },
             (Meaning::Stop(_), _) => Err(Problem::new(
                 format!("`{name}` is a stop and has no value"),
                 place,
@@ -762,7 +781,8 @@ impl<'a> Builder<'a> {
                 place,
             ));
         }
-        let above = self.side(number, place.clone())?;
+        // The error of a side comes first.
+        self.side(number, place.clone())?;
         let contact = &self.file.contacts[number];
         if contact.friction.is_none() {
             return Err(Problem::new(
@@ -772,13 +792,21 @@ impl<'a> Builder<'a> {
             .also(contact.place.clone(), "this contact")
             .help("write friction = \"…\" there: how large friction is in slip"));
         }
+        self.friction_force(number)
+    }
+
+    /// The friction force of a contact in this mode, zero if it has no law.
+    pub(super) fn friction_force(&mut self, number: usize) -> BuildResult {
+        let place = self.file.contacts[number].place.clone();
+        let above = self.side(number, place.clone())?;
         let size = self.size(number)?;
-        let force = if above {
-            Ok(size)
-        } else {
-            self.graph.negative(size)
-        };
-        force.map_err(|error| no_number(error, place))
+        match above {
+            true => Ok(size),
+            false => {
+                let force = self.graph.negative(size);
+                force.map_err(|error| no_number(error, place))
+            }
+        }
     }
 
     /// The size of the friction of a contact in this mode: its law, or zero if it has none or the

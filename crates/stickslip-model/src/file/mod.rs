@@ -164,6 +164,8 @@ pub struct StateEntry {
     pub start: Option<Formula>,
     /// The range that figures and scans show.
     pub range: Option<(f64, f64)>,
+    /// Absolute tolerance of runs, unless they are given another.
+    pub atol: Option<f64>,
     /// Whether it changes only in jumps.
     pub is_discrete: bool,
 }

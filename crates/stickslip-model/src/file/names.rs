@@ -31,6 +31,8 @@ pub enum Meaning {
     Stop(usize),
     /// The force of a stop.
     Force(usize),
+    /// The friction force of a contact.
+    Friction(usize),
 }
 
 impl Meaning {
@@ -47,6 +49,7 @@ impl Meaning {
             Meaning::Jump(_) => "a jump",
             Meaning::Stop(_) => "a stop",
             Meaning::Force(_) => "the force of a stop",
+            Meaning::Friction(_) => "the friction force of a contact",
         }
     }
 }

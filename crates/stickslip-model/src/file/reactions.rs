@@ -1,7 +1,9 @@
-//! Reactions of stops along an orbit, their impulses, and formulas that have them.
+//! Reactions of stops and friction forces of contacts along an orbit, impulses, and formulas that
+//! have them.
 
 use stickslip::dynamics::Modes;
 use stickslip::error::readable;
+use stickslip::nalgebra::DVector;
 use stickslip::scalar::Dual;
 use stickslip::{Mode, Side};
 
@@ -16,8 +18,16 @@ use crate::kernel::{Combination, HELD_PER_INPUT, sides_to_check};
 /// value. Chosen: a run that ends where the effect vanishes comes nearer than that.
 const NO_EFFECT: f64 = 1e-6;
 
-/// The reactions of the stops of a system, and formulas of states, parameters, inputs, time and
-/// these reactions, at any moment of an orbit.
+/// The friction force of a contact that sticks beside others is told where the field is a sum of
+/// what each contributes, to this part of it. Chosen far above rounding, and far below an effect
+/// that is meant.
+const NOT_A_SUM: f64 = 1e-9;
+
+/// The reactions of the stops of a system, the friction forces of its contacts, and formulas of
+/// states, parameters, inputs, time and these forces, at any moment of an orbit.
+///
+/// The force of a contact is the value of `friction(NAME)` in the field. In slip that is its law,
+/// with the sign of its side. In stick it is what keeps the rate of the boundary at zero.
 pub struct Quantities<'a> {
     system: &'a System,
     /// Names of reactions and formulas: the reactions first.
@@ -26,6 +36,10 @@ pub struct Quantities<'a> {
     /// they do not depend on sides.
     reactions: Vec<(Combination, Option<Tape>)>,
     is_sided: bool,
+    /// The friction of all contacts in those combinations of sides that have occurred.
+    frictions: Vec<(Combination, Option<Tape>)>,
+    /// Whether a formula has the friction force of a contact.
+    has_friction: bool,
     formulas: Vec<Tape>,
 }
 
@@ -38,7 +52,7 @@ impl System {
         let file = &self.file;
         let stops = file.stops.iter().map(|stop| format!("{}.force", stop.name));
         let mut names: Vec<String> = stops.collect();
-        let mut tapes = Vec::new();
+        let (mut tapes, mut has_friction) = (Vec::new(), false);
         for &(name, text) in formulas {
             let source = |text: &str| Source {
                 name: format!("formula of {name}"),
@@ -54,8 +68,11 @@ impl System {
                 return Err(FileError::wrong(problem, source(name)));
             }
             let formula = Formula::parsed(text, 0..text.len(), &source(text));
-            let made = formula.and_then(|formula| self.with_reactions(&formula));
-            tapes.push(made.map_err(|problem| FileError::wrong(problem, source(text)))?);
+            let made = formula.and_then(|formula| self.with_forces(&formula));
+            let made = made.map_err(|problem| FileError::wrong(problem, source(text)));
+            let (tape, has) = made?;
+            tapes.push(tape);
+            has_friction |= has;
             names.push(name.to_owned());
         }
         let all = (1 << file.contacts.len()) - 1;
@@ -65,23 +82,41 @@ impl System {
             names,
             is_sided: below != above,
             reactions: Vec::new(),
+            frictions: Vec::new(),
+            has_friction,
             formulas: tapes,
         })
     }
 
-    /// The tape of a formula, with the reactions behind all states.
-    fn with_reactions(&self, formula: &Formula) -> Result<Tape, Problem> {
+    /// The tape of a formula, with the reactions behind all states and the friction forces behind
+    /// these, and whether it has such a force.
+    fn with_forces(&self, formula: &Formula) -> Result<(Tape, bool), Problem> {
         let (file, mut graph) = (&self.file, Graph::new());
         let first = file.states.len() + HELD_PER_INPUT * file.inputs.len();
-        let reactions: Vec<Id> = (0..file.stops.len())
-            .map(|stop| graph.state(first + stop))
+        let (stops, contacts) = (file.stops.len(), file.contacts.len());
+        let mut forces: Vec<Id> = (0..stops + contacts)
+            .map(|number| graph.state(first + number))
             .collect();
+        let frictional = forces.split_off(stops);
         let inputs = Inputs::fixed(&self.values);
         let scope = Scope::NoSides("what is observed");
         let builder = Builder::new(file, inputs, &mut graph, scope);
-        let root = builder.with_forces(reactions).formula(formula)?;
-        let states = first + file.stops.len();
-        Tape::new(&graph, &[root], states).map_err(|error| Problem::new(error.to_string(), 0..0))
+        let builder = builder.with_forces(forces);
+        let root = builder.with_friction_forces(frictional).formula(formula)?;
+        let has_friction = graph.depends_on_states(root, |state| state >= first + stops);
+        let tape = Tape::new(&graph, &[root], first + stops + contacts);
+        let tape = tape.map_err(|error| Problem::new(error.to_string(), 0..0));
+        Ok((tape?, has_friction))
+    }
+
+    /// The tape of the friction of all contacts in a combination of sides; `None` if there is none.
+    fn friction_forces(&self, of: Combination) -> Option<Tape> {
+        let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
+        let mut builder = Builder::new(&self.file, inputs, &mut graph, Scope::Sides(of));
+        let contacts = 0..self.contacts();
+        let forces = contacts.map(|contact| builder.friction_force(contact));
+        let forces = forces.collect::<Result<Vec<Id>, _>>().ok()?;
+        tape(&self.file, &graph, &forces, inputs).ok()
     }
 
     /// The tape of the reactions in a combination of sides; `None` if there is none.
@@ -146,13 +181,80 @@ impl System {
                 above: of.above & !(1 << contact) | side,
                 ..of
             };
-            let rates = self.field(of, t, x);
-            let moved = x.iter().zip(rates).map(|(x, rate)| Dual::new(*x, rate));
-            let moved: Vec<Dual<f64>> = moved.collect();
-            self.boundary(contact, Dual::new(t, 1.0), &moved).eps
+            self.rate_of_boundary(contact, &self.field(of, t, x), t, x)
         });
         below / (below - above)
     }
+
+    /// The rate of a boundary where the state moves with these rates.
+    fn rate_of_boundary(&self, contact: usize, rates: &[f64], t: f64, x: &[f64]) -> f64 {
+        let moved = x.iter().zip(rates).map(|(x, rate)| Dual::new(*x, *rate));
+        let moved: Vec<Dual<f64>> = moved.collect();
+        self.boundary(contact, Dual::new(t, 1.0), &moved).eps
+    }
+
+    /// The parts of the sides above in the motion of several contacts that stick, which lie below
+    /// in `of`. `None` where the field of the mode is no sum of what each contributes.
+    fn parts_above(
+        &self,
+        sticking: &[usize],
+        of: Combination,
+        t: f64,
+        x: &[f64],
+    ) -> Option<Vec<f64>> {
+        let with = |above: usize| DVector::from(self.field(Combination { above, ..of }, t, x));
+        let below = with(of.above);
+        let each: Vec<DVector<f64>> = sticking
+            .iter()
+            .map(|contact| with(of.above | 1 << contact) - &below)
+            .collect();
+        let count = sticking.len();
+        let rate = |contact: usize, rates: &DVector<f64>| {
+            self.rate_of_boundary(contact, rates.as_slice(), t, x)
+        };
+        let rows = sticking.iter().map(|&contact| {
+            let present = rate(contact, &below);
+            let effects = each
+                .iter()
+                .map(|one| rate(contact, &(&below + one)) - present);
+            effects.chain([-present]).collect()
+        });
+        let parts = solved(rows.collect())?;
+        // Each pair acts as both together do.
+        let mut pairs = (0..count).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let is_sum = pairs.all(|(i, j)| {
+            let both = with(of.above | 1 << sticking[i] | 1 << sticking[j]);
+            let sum = &below + &each[i] + &each[j];
+            (&both - &sum).amax() <= NOT_A_SUM * both.amax().max(sum.amax())
+        });
+        is_sum.then_some(parts)
+    }
+}
+
+/// The solution of linear equations, each a row with its right side last, by elimination with the
+/// largest pivot of each column; `None` where there is none. Its bits do not depend on the machine.
+fn solved(mut rows: Vec<Vec<f64>>) -> Option<Vec<f64>> {
+    let count = rows.len();
+    for column in 0..count {
+        let sizes = rows[column..].iter().map(|row| row[column].abs());
+        let largest = sizes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        rows.swap(column, column + largest.0);
+        let pivot = rows[column].clone();
+        for (number, row) in rows.iter_mut().enumerate() {
+            let factor = row[column] / pivot[column];
+            if number != column {
+                row.iter_mut()
+                    .zip(&pivot)
+                    .for_each(|(one, other)| *one -= factor * other);
+            }
+        }
+    }
+    let diagonal = rows.iter().enumerate();
+    let solution: Vec<f64> = diagonal.map(|(k, row)| row[count] / row[k]).collect();
+    solution
+        .iter()
+        .all(|value| value.is_finite())
+        .then_some(solution)
 }
 
 impl Quantities<'_> {
@@ -168,6 +270,10 @@ impl Quantities<'_> {
         if !self.formulas.is_empty() {
             let mut inputs = self.system.built.switching.extended(t, x);
             inputs.extend(&values);
+            inputs.extend(match self.has_friction {
+                true => self.friction_at(modes, t, x),
+                false => vec![f64::NAN; self.system.contacts()],
+            });
             for formula in &self.formulas {
                 let mut value = [0.0];
                 formula.evaluate(t, &inputs, &mut value);
@@ -176,6 +282,81 @@ impl Quantities<'_> {
         }
         // A reaction that vanishes is 0, not -0.
         values.iter_mut().for_each(|value| *value += 0.0);
+        values
+    }
+
+    /// The names of all forces: of the stops, then of the contacts with friction.
+    pub fn force_names(&self) -> Vec<String> {
+        let file = &self.system.file;
+        let stops = file.stops.iter().map(|stop| stop.name.clone());
+        let contacts = self
+            .frictional()
+            .map(|contact| file.contacts[contact].name.clone());
+        stops.chain(contacts).collect()
+    }
+
+    /// The contacts with friction.
+    fn frictional(&self) -> impl Iterator<Item = usize> {
+        let contacts = self.system.file.contacts.iter().enumerate();
+        contacts.filter_map(|(number, contact)| contact.friction.as_ref().map(|_| number))
+    }
+
+    /// The forces of [`Quantities::force_names`] at a moment in these modes. The friction force of
+    /// a contact that sticks beside others is not a number where the field is no sum of what each
+    /// contact contributes.
+    pub fn forces_at(&mut self, modes: &Modes, t: f64, x: &[f64]) -> Vec<f64> {
+        let mut forces = self.reactions_at(modes, t, x);
+        if self.frictional().next().is_some() {
+            let all = self.friction_at(modes, t, x);
+            forces.extend(self.frictional().map(|contact| all[contact]));
+        }
+        forces.iter_mut().for_each(|force| *force += 0.0);
+        forces
+    }
+
+    /// The friction forces of all contacts.
+    fn friction_at(&mut self, modes: &Modes, t: f64, x: &[f64]) -> Vec<f64> {
+        let contacts = self.system.contacts();
+        let is_above = |contact: &usize| modes.get(*contact) == Mode::Slip(Side::Above);
+        let sticking: Vec<usize> = (0..contacts)
+            .filter(|contact| modes.get(*contact) == Mode::Stick)
+            .collect();
+        let bits = |all: &mut dyn Iterator<Item = usize>| all.fold(0, |bits, one| bits | 1 << one);
+        let of = Combination {
+            above: bits(&mut (0..contacts).filter(is_above)),
+            held: bits(&mut sticking.iter().copied()),
+        };
+        let parts = match sticking[..] {
+            [] => Some(Vec::new()),
+            [contact] => Some(vec![self.system.part_above(contact, of, t, x)]),
+            _ => self.system.parts_above(&sticking, of, t, x),
+        };
+        let Some(parts) = parts else {
+            return vec![f64::NAN; contacts];
+        };
+        let below = self.friction_in(of, t, x);
+        let mut forces = below.clone();
+        for (contact, part) in sticking.iter().zip(parts) {
+            let above = of.above | 1 << contact;
+            let above = self.friction_in(Combination { above, ..of }, t, x);
+            for ((force, below), above) in forces.iter_mut().zip(&below).zip(above) {
+                *force += part * (above - below);
+            }
+        }
+        forces
+    }
+
+    fn friction_in(&mut self, of: Combination, t: f64, x: &[f64]) -> Vec<f64> {
+        let known = self.frictions.iter().position(|(known, _)| *known == of);
+        let place = known.unwrap_or_else(|| {
+            self.frictions.push((of, self.system.friction_forces(of)));
+            self.frictions.len() - 1
+        });
+        let mut values = vec![f64::NAN; self.system.contacts()];
+        if let Some(tape) = &self.frictions[place].1 {
+            let x = self.system.built.switching.extended(t, x);
+            tape.evaluate(t, &x, &mut values);
+        }
         values
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use stickslip::Direction;
+use stickslip::{Direction, Options};
 use toml::de::DeTable;
 
 use super::names::{Meaning, Names, did_you_mean};
@@ -205,24 +205,25 @@ fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Proble
             )));
         }
         let name = names.add(name, place, Meaning::State(number))?;
-        let (unit, meaning) = match entry.as_table(&format!("states.{name}")) {
-            Some(table) => {
-                table.only(&["unit", "meaning"])?;
-                (
-                    text(&table, "unit")?.unwrap_or_default(),
-                    text(&table, "meaning")?,
-                )
-            }
-            None => (entry.text()?.to_owned(), None),
-        };
-        states.push(StateEntry {
+        let mut state = StateEntry {
             name,
-            unit,
-            meaning,
+            unit: String::new(),
+            meaning: None,
             start: None,
             range: None,
+            atol: None,
             is_discrete: false,
-        });
+        };
+        match entry.as_table(&format!("states.{}", state.name)) {
+            Some(table) => {
+                table.only(&["unit", "meaning", "atol"])?;
+                state.unit = text(&table, "unit")?.unwrap_or_default();
+                state.meaning = text(&table, "meaning")?;
+                state.atol = table.get("atol").map(tolerance).transpose()?;
+            }
+            None => state.unit = entry.text()?.to_owned(),
+        }
+        states.push(state);
     }
     if states.is_empty() {
         return Err(
@@ -230,6 +231,15 @@ fn states(file: &Table<'_>, names: &mut Names) -> Result<Vec<StateEntry>, Proble
         );
     }
     Ok(states)
+}
+
+/// An absolute tolerance: a number, or an expression of numbers.
+fn tolerance(entry: Entry<'_>) -> Result<f64, Problem> {
+    let value = super::build::value(&entry.formula()?)?;
+    match Options::tol(1e-12).atol(value).check() {
+        Ok(()) => Ok(value),
+        Err(error) => Err(Problem::new(error.to_string(), entry.place())),
+    }
 }
 
 fn parameters(file: &Table<'_>, names: &mut Names) -> Result<Vec<Parameter>, Problem> {
@@ -312,6 +322,9 @@ fn contacts(file: &Table<'_>, names: &mut Names) -> Result<Vec<Contact>, Problem
                 "write friction = \"…\" beside it, and friction({}) in [field]",
                 contact.name
             )));
+        }
+        if contact.friction.is_some() {
+            names.add_part(&contact.name, "force", Meaning::Friction(number));
         }
         Ok(contact)
     })

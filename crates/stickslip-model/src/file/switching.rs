@@ -27,6 +27,7 @@ pub(super) fn discrete(
             meaning: None,
             start: Some(entry.formula()?),
             range: None,
+            atol: None,
             is_discrete: true,
         })
     })
@@ -228,7 +229,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     Ok(InputShape::Table(pieces.collect()))
 }
 
-/// The first two columns of a file, relative to the system's file. They have these names.
+/// The two columns of a file, relative to the system's file. Messages call them by these names.
 pub(super) fn from_file(
     source: &Source,
     entry: Entry<'_>,
@@ -247,6 +248,20 @@ pub(super) fn from_file(
     let mut table = TextTable::new(&input, BufReader::new(file)).map_err(refused)?;
     let (mut times, mut values) = (Vec::new(), Vec::new());
     while let Some((line, cells)) = table.row().map_err(refused)? {
+        if cells.iter().skip(2).any(|cell| !cell.is_empty()) {
+            let names = table.names.iter().flatten().map(String::as_str);
+            let names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
+            let names = match names[..] {
+                [] => String::new(),
+                _ => format!(" ({})", names.join(", ")),
+            };
+            let [first, second] = columns;
+            let message = format!(
+                "{input} has {} columns{names}, and only two can be meant, {first} and {second}",
+                cells.len()
+            );
+            return Err(wrong(message).help("leave these two in the file, in this order"));
+        }
         let number = |column: usize| {
             let cell = cells.get(column).unwrap_or_default();
             let found = table.dialect.number(cell);

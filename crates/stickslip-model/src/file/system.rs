@@ -7,11 +7,13 @@ use stickslip::dynamics::{DynamicsRef, Interrupt, Section};
 use stickslip::error::readable;
 use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
-use stickslip::{Direction, Scalar};
+use stickslip::{AbsoluteTolerance, Direction, Error, Scalar};
 
 use super::build::{self, Built};
 use super::builder::{Freed, NONE_FREE};
-use super::{FileError, Formula, Problem, SectionEntry, Source, SystemFile, did_you_mean};
+use super::{
+    FileError, Formula, Problem, SectionEntry, Source, StateEntry, SystemFile, did_you_mean,
+};
 use crate::expression::Tape;
 use crate::kernel::{
     Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, SectionFunction, Size,
@@ -454,6 +456,31 @@ impl System {
     /// Initial state, if the file gives every component.
     pub fn start(&self) -> Option<Vec<f64>> {
         self.built.starts.iter().copied().collect()
+    }
+
+    /// Absolute tolerances of the states: those `given`, in the order of the states, or else those
+    /// of the file, or else `other`. Where neither names one, `other` is that of all.
+    ///
+    /// # Errors
+    /// [`Error::Tolerances`] where more are given than there are states.
+    pub fn absolute_tolerance(
+        &self,
+        other: f64,
+        given: &[Option<f64>],
+    ) -> Result<AbsoluteTolerance, Error> {
+        let states = self.states();
+        if given.len() > states {
+            let given = given.len();
+            return Err(Error::Tolerances { given, states });
+        }
+        let of_state =
+            |(i, state): (usize, &StateEntry)| given.get(i).copied().flatten().or(state.atol);
+        let each: Vec<Option<f64>> = self.file.states.iter().enumerate().map(of_state).collect();
+        if each.iter().all(Option::is_none) {
+            return Ok(other.into());
+        }
+        let each: Vec<f64> = each.into_iter().map(|one| one.unwrap_or(other)).collect();
+        AbsoluteTolerance::each(&each)
     }
 
     /// Number of states.

@@ -5,7 +5,8 @@ use std::num::NonZeroUsize;
 use rayon::prelude::*;
 use stickslip::analysis::{
     Branch, BranchPoint, ContinuationSettings, Curve, CycleBifurcation, PeriodicOrbit,
-    SpecialPoint, Stop, SwitchedBranch, continue_change, continue_equilibrium, switch_branches_to,
+    SpecialPoint, Stop, SwitchedBranch, branch_multiplier_uncertainties, continue_change,
+    continue_equilibrium, switch_branches_to,
 };
 use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -34,6 +35,8 @@ pub struct BranchOrbit {
     pub orbit: BranchPoint,
     /// Minimum and maximum of each state on the orbit.
     pub extremes: Vec<(f64, f64)>,
+    /// Uncertainty of each multiplier, as [`Along::find_uncertainties`] computes it; NaN before.
+    pub uncertainties: Vec<f64>,
 }
 
 /// A branch in both directions, from its lower to its upper end.
@@ -254,7 +257,9 @@ impl<'a> Along<'a> {
             special: Vec::new(),
             stop: Stop::Points,
         };
-        self.joined([begin, way], options)
+        let mut branch = self.joined::<E>([begin, way], options)?;
+        self.find_uncertainties(&mut branch, options);
+        Ok(branch)
     }
 
     /// A state of the orbit at a multiple of its period, where the time of the branch begins.
@@ -270,17 +275,37 @@ impl<'a> Along<'a> {
         Ok(whole(ended, orbit.period)?.x)
     }
 
-    /// Minimum and maximum of each state along an orbit, in the time of the file.
-    fn extremes<E: From<Error> + From<SettingError>>(
+    /// An orbit in the time of the file, with minimum and maximum of each state along it.
+    fn described<E: From<Error> + From<SettingError>>(
         &self,
-        orbit: &BranchPoint,
+        orbit: BranchPoint,
         options: &Options,
-    ) -> Result<Vec<(f64, f64)>, E> {
+    ) -> Result<BranchOrbit, E> {
+        let orbit = self.in_file(orbit)?;
         let system = self.system.with_values(&[(self.name, orbit.parameter)])?;
         let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
         let (extremes, ended) = extremes(system.dynamics(), start, t_end, options)?;
         whole(ended, orbit.period)?;
-        Ok(extremes)
+        Ok(BranchOrbit {
+            uncertainties: vec![f64::NAN; orbit.multipliers.len()],
+            orbit,
+            extremes,
+        })
+    }
+
+    /// Computes the uncertainties of the multipliers of all orbits of a branch. They stay NaN where
+    /// an orbit is not found again, as after an interruption.
+    pub fn find_uncertainties(&self, branch: &mut WholeBranch, options: &Options) {
+        let is_forced = self.system.built.depends_on_time;
+        branch.points.par_iter_mut().for_each(|point| {
+            let orbit = &point.orbit;
+            // The value of the parameter was allowed before.
+            if let Ok(system) = self.system.with_values(&[(self.name, orbit.parameter)]) {
+                let dynamics = system.dynamics();
+                point.uncertainties =
+                    branch_multiplier_uncertainties(dynamics, orbit, is_forced, options);
+            }
+        });
     }
 
     /// Joins both directions, with the extremes of each orbit. Of a closed branch only one
@@ -299,11 +324,8 @@ impl<'a> Along<'a> {
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();
         let points: Vec<BranchPoint> = below.chain(up.points).collect();
-        let points = points.into_par_iter().map(|orbit| {
-            let orbit = self.in_file(orbit)?;
-            let extremes = self.extremes::<E>(&orbit, options)?;
-            Ok::<_, E>(BranchOrbit { orbit, extremes })
-        });
+        let points = points.into_par_iter();
+        let points = points.map(|orbit| self.described::<E>(orbit, options));
         let below = down.special.into_iter().rev().map(|mut at| {
             at.behind = (first + 1).saturating_sub(at.behind);
             if let CycleBifurcation::Sequence(change) = &mut at.what {

@@ -269,7 +269,7 @@ impl Base<'_> {
             all.push(self.multipliers_at(of, by * of.step)?);
         }
         let size = self.orbit.monodromy.amax().max(1.0);
-        let tolerance = self.options.rtol.max(self.options.atol).max(f64::EPSILON);
+        let tolerance = self.options.coarsest().max(f64::EPSILON);
         let noise = ERROR_OF_MULTIPLIERS * tolerance * size / of.step;
         let slopes = (0..self.multipliers.len()).map(|k| {
             let near = (all[0][k] - all[1][k]) / (2.0 * of.step);

@@ -117,7 +117,7 @@ impl<'s> PastWatch<'s> {
 
     /// The distance from a boundary that counts as none, at a state.
     fn allowed(&self, x: &Vector) -> f64 {
-        TOLERANCES * (self.options.atol + self.options.rtol * x.amax())
+        TOLERANCES * self.options.largest_allowed(x)
     }
 
     /// Whether a state is on the boundary of a contact that holds there, forwards in time: both

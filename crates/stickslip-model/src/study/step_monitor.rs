@@ -57,7 +57,7 @@ impl StepMonitor {
     /// Whether a state seems to be far below its tolerance by the ends of steps, where impacts may
     /// have it at zero. The middles of steps then count, too.
     pub fn looks_within(&self) -> bool {
-        self.has_jumps && self.extents.iter().any(|extent| self.is_below(*extent))
+        self.has_jumps && (0..self.extents.len()).any(|state| self.is_below(state))
     }
 
     /// Takes a state within a step into account.
@@ -67,9 +67,10 @@ impl StepMonitor {
         }
     }
 
-    /// Whether a state of this extent moves far below its tolerance.
-    fn is_below(&self, (low, high): (f64, f64)) -> bool {
-        low < high && low.abs().max(high.abs()) <= FAR_BELOW * self.options.atol
+    /// Whether a state moves far below its tolerance.
+    fn is_below(&self, state: usize) -> bool {
+        let (low, high) = self.extents[state];
+        low < high && low.abs().max(high.abs()) <= FAR_BELOW * self.options.atol.of(state)
     }
 
     /// Begins anew where something other than the step's own length ended it: an event or a kink.
@@ -130,17 +131,17 @@ impl StepMonitor {
                     p[k] = ((t - from) * p[k + 1] - (t - to) * p[k]) / (to - from);
                 }
             }
-            let allowed = self.options.atol + self.options.rtol * x.abs();
+            let allowed = self.options.allowed(i, x.abs());
             (p[0] - x).abs() <= SMOOTH * allowed
         })
     }
 
     /// A warning for each state whose whole motion is far below its tolerance.
     pub fn below_tolerance(&self, system: &System, interface: &impl Interface) -> Vec<String> {
-        let states = system.file.states.iter().zip(&self.extents);
-        let below = states.filter_map(|(state, &(low, high))| {
+        let states = system.file.states.iter().zip(&self.extents).enumerate();
+        let below = states.filter_map(|(i, (state, &(low, high)))| {
             let size = low.abs().max(high.abs());
-            if !self.is_below((low, high)) {
+            if !self.is_below(i) {
                 return None;
             }
             let wanted = math::log10(self.options.rtol * size).floor() as i32;
@@ -148,7 +149,7 @@ impl StepMonitor {
                 "the state {} stays within {size:.1e}, and its absolute tolerance is {:.0e}: its \
                  motion is not resolved; give {} 1e{wanted}, or choose a smaller unit",
                 state.name,
-                self.options.atol,
+                self.options.atol.of(i),
                 interface.name("atol"),
             ))
         });

@@ -1,7 +1,8 @@
 //! Warnings about a system that can run, but is probably not what was meant.
 
+use stickslip::dynamics::{Moment, Vector};
 use stickslip::error::{ContactFault, Point, readable};
-use stickslip::{Direction, Error};
+use stickslip::{Direction, Error, Options};
 
 use super::friction::negative_at;
 use super::tangents::{BoundaryLine, RateJumps};
@@ -10,8 +11,8 @@ use crate::file::{Interface, System};
 /// Warnings about a system. They concern friction that is negative at the start or in the wrong
 /// direction, and static friction below that in slip; friction is evaluated on the boundary of
 /// every contact, next to the start. They also concern jumps that cannot happen soon after the
-/// start, and boundaries of several contacts that vanish together and are dependent there. Without
-/// a start only the last are checked.
+/// start, runs that end at their start, and boundaries of several contacts that vanish together and
+/// are dependent there. Without a start only the last are checked.
 pub fn warnings(
     system: &System,
     start: Option<(f64, &[f64])>,
@@ -28,6 +29,7 @@ pub fn warnings(
         let all = system.file.jumps.iter().enumerate();
         let jumps = all.filter_map(|(jump, of)| of.of_stop.is_none().then_some(jump));
         warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
+        warnings.extend(warning_of_start(system, start, interface));
     }
     if let Some((contacts, x)) = system.dependent_boundaries() {
         let (t, x) = (system.built.t_start, Point(x));
@@ -84,9 +86,30 @@ fn warning_of_contact(
     })
 }
 
+/// The error with which a run ends at its start, as behind a stop.
+fn warning_of_start(
+    system: &System,
+    (t, x): (f64, &[f64]),
+    interface: &impl Interface,
+) -> Option<String> {
+    let start = Moment {
+        t,
+        x: Vector::from_column_slice(x),
+    };
+    // The times of a run do not matter to its start.
+    let t_end = t + t.abs().max(1.0);
+    let begun = system
+        .dynamics()
+        .begin(&start, t_end, &Options::default(), &[]);
+    let error = begun.err()?;
+    let words = interface.words(&error, Some(system));
+    Some(format!("a run does not begin at the start: {words}"))
+}
+
 /// A jump of one direction whose function is past zero at the start, such as that of a heater which
-/// is off in a room that is already too cold. Functions of time alone pass zero by themselves, and
-/// a jump that would leave the state at the start as it is has had its effect.
+/// is off in a room that is already too cold. Functions of time alone pass zero by themselves. A
+/// jump has had its effect where it changes nothing at the start, nor a second time elsewhere: one
+/// that reverses a velocity leaves a state at rest as it is by chance.
 fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Option<String> {
     let (described, switching) = (&system.file.jumps[number], &system.built.switching);
     let jump = &switching.jumps[number];
@@ -106,9 +129,16 @@ fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Opt
     let moved = other.iter_mut().take(x.len()).enumerate();
     moved.for_each(|(k, x)| *x += 1.0 / (1.0 + k as f64));
     let is_of_time = height(&other) == here;
-    values.clone_from(&extended);
-    switching.after(number, t, &mut values);
-    if !is_past || is_of_time || values[..x.len()] == *x {
+    let after = |from: &[f64]| {
+        let mut x = from.to_vec();
+        switching.after(number, t, &mut x);
+        x
+    };
+    let is_done = || {
+        let once = after(&other);
+        after(&extended)[..x.len()] == *x && after(&once)[..x.len()] == once[..x.len()]
+    };
+    if !is_past || is_of_time || described.most.is_none() && is_done() {
         return None;
     }
     Some(format!(

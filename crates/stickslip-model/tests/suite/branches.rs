@@ -175,7 +175,7 @@ fn where_phases_change_is_reported_within_the_uncertainty_at_any_tolerance() {
         let (set, range) = ([("S", 0.1), ("O", 0.3)], ("O", 0.29, 0.31));
         let options = Options {
             rtol: tolerance,
-            atol: tolerance,
+            atol: tolerance.into(),
             ..options("taylor")
         };
         let (_, branch) = followed_by(DEN_HARTOG, &set, range, &options);

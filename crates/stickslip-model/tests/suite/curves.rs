@@ -121,6 +121,28 @@ fn points_in_a_file_are_read_as_tables_are() {
         .unwrap_err()
         .to_string();
     assert!(error.contains("line 3 has no value"), "{error}");
+    // Which of three columns is meant is not guessed; blank ones behind the two are none.
+    for (text, words) in [
+        (
+            "x,mu,sigma\n0,1,0.1\n1,2,0.1\n",
+            "has 3 columns (x, mu, sigma)",
+        ),
+        (
+            "0 1 0.1\n1 2 0.1\n",
+            "has 3 columns, and only two can be meant",
+        ),
+    ] {
+        std::fs::write(folder.path().join("rate.csv"), text).unwrap();
+        let error = SystemFile::open(path.to_str().unwrap()).unwrap_err();
+        let error = error.to_string();
+        assert!(error.contains(words), "{error}");
+        assert!(error.contains("argument and value") && error.contains("leave these two"));
+    }
+    std::fs::write(folder.path().join("rate.csv"), "x,mu,\n0,1,\n1,2,\n").unwrap();
+    assert_eq!(
+        SystemFile::open(path.to_str().unwrap()).unwrap().curves[0].points,
+        2
+    );
 }
 
 #[test]

@@ -12,7 +12,7 @@ use crate::run::{METHODS, Run, end, options, simulated_by, system};
 fn at(tolerance: f64, method: &str) -> Options {
     Options {
         rtol: tolerance,
-        atol: tolerance,
+        atol: tolerance.into(),
         ..options(method)
     }
 }

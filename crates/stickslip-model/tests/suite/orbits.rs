@@ -2,7 +2,8 @@
 
 use stickslip::analysis::{
     Branch, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SequenceBifurcation,
-    SpecialPoint, Stop, continue_periodic_orbit, multiplier_uncertainties, multipliers,
+    SpecialPoint, Stop, branch_multiplier_uncertainties, continue_periodic_orbit,
+    multiplier_uncertainties, multipliers,
 };
 use stickslip::math;
 use stickslip::{Method, Options};
@@ -97,6 +98,20 @@ fn every_orbit_of_a_forced_branch_has_the_period_of_the_drive() {
     let branch = branch(&system, ("b", 0.5, 2.0), (&first, true), &options);
     assert_eq!(branch.stop, Stop::Range);
     assert!(branch.points.iter().all(|at| at.period == 4e-6));
+    // Each multiplier differs by less than its uncertainty from that of the decay in a period.
+    assert!(branch.points.len() > 3);
+    for at in &branch.points {
+        let b = at.parameter;
+        let here = system.with_values(&[("b", b)]).unwrap();
+        let of = branch_multiplier_uncertainties(here.dynamics(), at, true, &options);
+        let off = (at.multipliers[0].re - math::exp(-1000.0 * b * 4e-6)).abs();
+        assert_eq!(of.len(), at.multipliers.len());
+        assert!(
+            off <= of[0] && of[0] < 1e-4,
+            "{b}: {off:e} beyond {:e}",
+            of[0]
+        );
+    }
 }
 
 /// The buck converter of Fossas & Olivar (1996), with its times in a unit.

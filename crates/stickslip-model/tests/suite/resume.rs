@@ -162,7 +162,7 @@ fn a_run_in_pieces_has_the_bits_of_a_single_one() {
             for tolerance in [1e-7, 1e-12] {
                 let options = Options {
                     rtol: tolerance,
-                    atol: tolerance,
+                    atol: tolerance.into(),
                     ..options(method)
                 };
                 same_in_pieces(text, until, &options.at_pile_up(AtPileUp::Rest), &mut draw);

@@ -344,7 +344,7 @@ fn what_carries_is_not_hit_by_the_events_of_others() {
             for text in [&text, beside] {
                 let options = Options {
                     rtol: tolerance,
-                    atol: tolerance,
+                    atol: tolerance.into(),
                     ..options(method)
                 };
                 let run = Run::of(system(text), &options, None);

@@ -141,7 +141,8 @@ pub(crate) fn bifurcation_diagram<'py>(
     let (parameter, values) = along;
     let (longest, duration, which) = how;
     let locates = Locates::named(&which).unwrap_or_default();
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let outcome = computed(py, 0, (&report, ProgressKind::Count), |task| {
         let (mut found, mut changes) = (Vec::new(), Vec::new());
@@ -227,7 +228,8 @@ pub(crate) fn parameter_map<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (longest, duration, workers) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let [(name, columns), (other, rows)] = &plane;
     // The memory for a cell must not grow with the number of its points.
@@ -303,7 +305,8 @@ pub(crate) fn basins<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (longest, return_within, workers) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let settings = recurrence(compiled, longest);
     let starts = starts.as_array();

@@ -84,7 +84,8 @@ pub(crate) fn least_push<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (largest, parts, longest, workers) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let settings = recurrence(compiled, longest);
     let directions = rows(&directions);
@@ -129,7 +130,8 @@ pub(crate) fn edge_state<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (near, apart, track, longest) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let settings = recurrence(compiled, longest);
     let how = EdgeSettings {
@@ -177,7 +179,8 @@ pub(crate) fn basin_shares<'py>(
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let ((parameter, values), (longest, workers)) = (along, how);
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     check(compiled, longest)?;
     let starts = rows(&starts);
     let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {

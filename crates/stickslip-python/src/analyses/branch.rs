@@ -3,6 +3,7 @@
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
+use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
@@ -83,7 +84,8 @@ pub(crate) fn continuation<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (parameter, low, high) = range;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     // A branch has two directions, and what begins on it may take all threads.
     let threads = if also.is_some() || branches.is_some() {
         0
@@ -102,7 +104,8 @@ pub(crate) fn continuation<'py>(
         let (down, up) = rayon::join(|| directed(false), || directed(true));
         // An interruption leaves the orbits that were found.
         let whole = Along::new(compiled, &parameter, (low, high))?;
-        let branch = whole.joined::<Failure>([down?, up?], &options)?;
+        let mut branch = whole.joined::<Failure>([down?, up?], &options)?;
+        along.find_uncertainties(&mut branch, &options);
         let mut begun = Begun {
             branch,
             others: Vec::new(),
@@ -263,6 +266,9 @@ fn described<'py>(
     fields.array("y_max", extremes().map(|at| at.1).collect(), [states])?;
     let multipliers = orbits().map(|at| complex(py, &at.multipliers));
     fields.texts("multipliers", multipliers)?;
+    let uncertainties = branch.points.iter().map(|point| &point.uncertainties);
+    let uncertainties = uncertainties.map(|all| PyArray1::from_slice(py, all));
+    fields.texts("multiplier_uncertainties", uncertainties)?;
     fields.texts("stability", orbits().map(|at| at.stability().to_string()))?;
     fields.texts("phases", orbits().map(|at| system.sequence(&at.sequence)))?;
     let [first, last] = branch.ends();

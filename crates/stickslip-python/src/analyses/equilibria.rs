@@ -26,7 +26,8 @@ pub(crate) fn equilibrium_continuation<'py>(
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (parameter, low, high) = range;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     let branch = computed(py, 1, (&None, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let along = Along::new(&system, &parameter, (low, high))?;

@@ -8,9 +8,10 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{Exponent, SpectrumOptions};
 use stickslip_series::{
-    Balance, DataError, DataSettings, DataSpectrum, Degree, Embedding, EmbeddingSettings,
-    Estimator, Given, Neighbourhood, Reversal, SURROGATE_SEED, Series, SurrogateTest,
-    check_surrogates, data_spectrum_with, needed_embedding, reversal, status_word, surrogate_test,
+    Balance, DataError, DataSettings, DataSpectrum, Degree, Divergence, DivergenceCurve, Embedding,
+    EmbeddingSettings, Estimator, Given, Neighbourhood, Reversal, SURROGATE_SEED, Series,
+    SurrogateTest, check_surrogates, data_spectrum_with, divergence, needed_embedding, reversal,
+    status_word, surrogate_test,
 };
 
 use super::Start;
@@ -32,7 +33,7 @@ pub(crate) fn lyapunov_spectrum<'py>(
     let (t, x) = start;
     let (transient, duration) = span;
     let compiled = &system.compiled;
-    let settings = SpectrumOptions::over(transient, duration).solver(settings.options()?);
+    let settings = SpectrumOptions::over(transient, duration).solver(settings.options(compiled)?);
     let spectrum = computed(py, 1, (&report, ProgressKind::Time), |task| {
         let system = task.system(compiled)?;
         let start = (t, x.as_slice());
@@ -67,6 +68,8 @@ pub(crate) fn lyapunov_spectrum<'py>(
 struct OfSeries {
     spectrum: DataSpectrum,
     embedded: Option<(Embedding, Reversal)>,
+    /// `None` where there are too few points for it; a spectrum needs fewer.
+    diverging: Option<Divergence>,
     surrogates: Option<SurrogateTest>,
 }
 
@@ -172,13 +175,18 @@ impl SeriesOptions {
             Some(embedding) => Some((embedding, reversal(&vectors, &spectrum, &part(2))?)),
             None => None,
         };
+        let diverging = match divergence(&vectors, settings.theiler, &part(3)) {
+            Err(DataError::TooFew { .. }) => None,
+            found => Some(found?),
+        };
         let surrogates = self.surrogates.map(|count| {
             let seed = SURROGATE_SEED;
-            surrogate_test(series, embedding, &settings, count, seed, &part(3))
+            surrogate_test(series, embedding, &settings, count, seed, &part(4))
         });
         Ok(OfSeries {
             spectrum,
             embedded,
+            diverging,
             surrogates: surrogates.transpose()?,
         })
     }
@@ -193,7 +201,7 @@ pub(crate) fn lyapunov_from_data<'py>(
     py: Python<'py>,
     series: PyReadonlyArray2<'py, f64>,
     dt: f64,
-    divergence: Option<f64>,
+    sum_of_all: Option<f64>,
     options: SeriesOptions,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
@@ -206,6 +214,7 @@ pub(crate) fn lyapunov_from_data<'py>(
     let OfSeries {
         spectrum,
         embedded,
+        diverging,
         surrogates,
     } = found.whole(refused)?;
     let exponents = &spectrum.exponents;
@@ -226,8 +235,8 @@ pub(crate) fn lyapunov_from_data<'py>(
     fields.put("dimension", spectrum.dimension)?;
     fields.put("residual_ratio", spectrum.residual_ratio)?;
     // Some exponents of delayed values may be spurious, so their sum is not compared.
-    let balance = divergence.filter(|_| embedded.is_none());
-    let balance = balance.map(|divergence| match spectrum.balance(divergence) {
+    let balance = sum_of_all.filter(|_| embedded.is_none());
+    let balance = balance.map(|sum| match spectrum.balance(sum) {
         Balance::Whole { excess, stderr, .. } => (0, excess, stderr),
         Balance::Rest {
             exponents,
@@ -246,7 +255,42 @@ pub(crate) fn lyapunov_from_data<'py>(
     fields.put("surrogate_residuals", residuals)?;
     let embedding = embedded.map(|(embedding, _)| (embedding.delay, embedding.dimension));
     fields.put("embedding", embedding)?;
+    let curves = diverging.map(|diverging| described(py, &diverging));
+    match curves.transpose()? {
+        Some(curves) => fields.fields("diverging_neighbours", curves)?,
+        None => fields.put("diverging_neighbours", py.None())?,
+    }
     fields.ended(None)
+}
+
+/// The divergence of neighbours, with the keys that the program writes.
+fn described<'py>(py: Python<'py>, diverging: &Divergence) -> PyResult<Fields<'py>> {
+    let curve = |curve: &DivergenceCurve| -> PyResult<Bound<'py, PyDict>> {
+        let fields = Fields::new(py);
+        fields.put("radius", curve.radius)?;
+        fields.put("references", curve.references)?;
+        fields.numbers("t", curve.points.iter().map(|point| point.0))?;
+        fields.numbers("log_distance", curve.points.iter().map(|point| point.1))?;
+        let straight = curve.straight.as_ref().map(|straight| {
+            let fields = Fields::new(py);
+            fields.put("from", curve.points[straight.from].0)?;
+            fields.put("to", curve.points[straight.to].0)?;
+            fields.put("slope", straight.slope)?;
+            fields.put("stderr", straight.stderr)?;
+            fields.put("scatter", straight.scatter)?;
+            fields.ended(None)
+        });
+        fields.put("straight", straight.transpose()?)?;
+        fields.ended(None)
+    };
+    let fields = Fields::new(py);
+    fields.put("rosenstein", diverging.by_rosenstein())?;
+    fields.put("kantz", diverging.by_kantz())?;
+    fields.put("saturation", diverging.saturation)?;
+    fields.put("rosenstein_curve", curve(&diverging.rosenstein)?)?;
+    let kantz = diverging.kantz.iter().map(curve);
+    fields.put("kantz_curves", kantz.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(fields)
 }
 
 /// The Python exception for a series or a setting that cannot be used.

@@ -53,7 +53,7 @@ pub(crate) fn fit<'py>(
         }
     };
     let compiled = &system.compiled;
-    let options = settings.options()?;
+    let options = settings.options(compiled)?;
     let parameters = compiled.file.parameters.iter().zip(&compiled.values);
     let observables = observables.into_iter();
     let unknowns = unknowns.into_iter();

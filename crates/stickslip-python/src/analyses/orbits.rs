@@ -5,7 +5,9 @@ use std::ops::ControlFlow;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
+use stickslip::analysis::{
+    PeriodicOrbit, PoincareMap, Stability, multiplier_uncertainties, multipliers,
+};
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
@@ -52,7 +54,8 @@ pub(crate) fn periodic_orbit<'py>(
     settings: Settings,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (origin, x) = start;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     let by = OrbitVariables::named(compiled, derivatives.iter().map(String::as_str));
     let by = by.map_err(|error| {
         PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
@@ -75,14 +78,16 @@ pub(crate) fn periodic_orbit<'py>(
             true => None,
             false => Some(by.of_orbit(&system, (&orbit, origin), &options)),
         };
+        let is_forced = system.built.depends_on_time;
+        let uncertainties = multiplier_uncertainties(dynamics, &orbit, is_forced, &options);
         Ok((
-            orbit,
+            (orbit, uncertainties),
             phases_of_period(&**dynamics, &phases),
             ranges,
             slopes,
         ))
     })?;
-    let (orbit, (phases, stick), ranges, slopes) =
+    let ((orbit, uncertainties), (phases, stick), ranges, slopes) =
         orbit.whole(|error: Failure| error.raised(compiled))?;
     let slopes = slopes.transpose().map_err(|error| match error {
         DerivativeError::Run(error) => failed(&error, Some(compiled)),
@@ -101,6 +106,7 @@ pub(crate) fn periodic_orbit<'py>(
     let by_rows = orbit.monodromy.transpose();
     fields.array("monodromy", by_rows.as_slice().to_vec(), [orbit.x.len()])?;
     fields.put("multipliers", complex(py, &all))?;
+    fields.numbers("multiplier_uncertainties", uncertainties)?;
     fields.put("stability", stability.to_string())?;
     fields.put("in_stick", stick / orbit.period)?;
     fields.put("phases", compiled.sequence(&phases))?;
@@ -142,7 +148,8 @@ pub(crate) fn poincare_map<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (t, x) = start;
     let (returns, longest, with_derivative) = how;
-    let (compiled, options) = (&system.compiled, settings.options()?);
+    let compiled = &system.compiled;
+    let options = settings.options(compiled)?;
     let states = x.len();
     let outcome = computed(py, 1, (&report, ProgressKind::Count), |task| {
         let mut found = Vec::new();

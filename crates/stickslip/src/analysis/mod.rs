@@ -58,8 +58,8 @@ pub use monodromy::{Monodromy, monodromy};
 pub use multipliers::multipliers;
 pub use normal_form::{Criticality, NormalForm};
 pub use periodic::{
-    PeriodicOrbit, find_periodic_orbit, multiplier_uncertainties, periodic_orbit,
-    periodic_orbit_forced, with_shortest_period,
+    PeriodicOrbit, branch_multiplier_uncertainties, find_periodic_orbit, multiplier_uncertainties,
+    periodic_orbit, periodic_orbit_forced, with_shortest_period,
 };
 pub use periodic_derivatives::{ExtremeDerivatives, PeriodicDerivatives, periodic_derivatives};
 pub use poincare::{PoincareMap, Return};

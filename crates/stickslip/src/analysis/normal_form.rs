@@ -112,7 +112,7 @@ impl<'a> ReturnMap<'a> {
     pub fn normal_form(&self, of: CriticalPair, multiples: &[f64]) -> Option<NormalForm> {
         let chart = self.chart()?;
         let matrix = self.derivative(&chart, &Vector::zeros(chart.ncols()))?;
-        let tolerance = self.options.rtol.max(self.options.atol).max(f64::EPSILON);
+        let tolerance = self.options.coarsest().max(f64::EPSILON);
         let distance = self.extent * crate::math::pow(tolerance, 0.2);
         let mut best: Option<NormalForm> = None;
         let coefficient = |h: f64| self.coefficient((&chart, &matrix), of, h);
@@ -270,7 +270,7 @@ fn tight(options: &Options) -> Options {
     const TIGHTER: f64 = 1e-3;
     Options {
         rtol: (TIGHTER * options.rtol).max(MIN_TOLERANCE),
-        atol: TIGHTER * options.atol,
+        atol: options.atol.map(|atol| TIGHTER * atol),
         ..*options
     }
 }

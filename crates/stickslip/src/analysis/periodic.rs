@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use super::attractors::SOLVER_TOLERANCES;
+use super::continuation::BranchPoint;
 use super::cycle::{Cycle, Outline, SAFETY, Shooting, ULPS};
 use super::monodromy::{flow_derivative, velocity_in};
 use super::multipliers::{eigenvalues, multipliers};
@@ -167,7 +168,7 @@ pub fn find_periodic_orbit<Kind>(
     };
     orbit.watch(&[plane(system, mode, &start)]);
     // Within the error of the run, all returns are equally good.
-    let error = SOLVER_TOLERANCES * (options.atol + options.rtol * start.x.norm());
+    let error = SOLVER_TOLERANCES * (options.atol.largest() + options.rtol * start.x.norm());
     let mut returns = Vec::new();
     loop {
         match orbit.step()? {
@@ -273,22 +274,56 @@ pub fn multiplier_uncertainties<Kind>(
     is_forced: bool,
     options: &Options,
 ) -> Vec<f64> {
-    let system = &*system.dynamics();
-    let again = || {
-        let x = orbit.x.clone();
-        let outline = Outline::of_run(system, &Moment { t: orbit.t, x }, orbit.period, options);
-        let outline = outline.ok()?;
-        let forced = is_forced.then_some(orbit.period);
-        let finer = Shooting::of(system, &outline, forced, options).finer();
-        let cycle = finer.nearest(&outline, None)?;
+    let x = orbit.x.clone();
+    let at = (Moment { t: orbit.t, x }, orbit.period, is_forced);
+    let again = with_half_steps(&*system.dynamics(), at, options);
+    let others = again.map_or_else(Vec::new, |cycle| {
+        // The trivial one of an autonomous system is not computed again.
         let trivial = (!is_forced).then_some(Complex::new(1.0, 0.0));
         let mut found = eigenvalues(&cycle.monodromy);
         found.extend(trivial);
-        Some(found)
-    };
-    let mut others = again().unwrap_or_default();
-    let rounding = ULPS * f64::EPSILON * orbit.monodromy.amax();
-    let uncertainty = |value: Complex<f64>| {
+        found
+    });
+    let found = multipliers(&orbit.monodromy);
+    distances(&found, others, orbit.monodromy.amax())
+}
+
+/// Uncertainties of the multipliers of an orbit of a branch, in their order, as
+/// [`multiplier_uncertainties`] computes them. The system has the orbit's value of the parameter,
+/// which is no state there.
+pub fn branch_multiplier_uncertainties<Kind>(
+    system: &impl AsDynamics<Kind>,
+    orbit: &BranchPoint,
+    is_forced: bool,
+    options: &Options,
+) -> Vec<f64> {
+    let system = &*system.dynamics();
+    let x = orbit.x.rows(0, system.states()).into_owned();
+    let at = (Moment { t: orbit.t, x }, orbit.period, is_forced);
+    let again = with_half_steps(system, at, options);
+    let (others, largest) = again.map_or((Vec::new(), f64::NAN), |cycle| {
+        (eigenvalues(&cycle.monodromy), cycle.monodromy.amax())
+    });
+    distances(&orbit.multipliers, others, largest)
+}
+
+/// A periodic orbit once more, with half the steps.
+fn with_half_steps(
+    system: &dyn Dynamics,
+    (at, period, is_forced): (Moment, f64, bool),
+    options: &Options,
+) -> Option<Cycle> {
+    let outline = Outline::of_run(system, &at, period, options).ok()?;
+    let forced = is_forced.then_some(period);
+    let finer = Shooting::of(system, &outline, forced, options).finer();
+    finer.nearest(&outline, None)
+}
+
+/// Uncertainties of multipliers from those of half the steps, each from the nearest one that is
+/// left; NaN where there is none. `largest` is that of the entries of the monodromy matrix.
+fn distances(found: &[Complex<f64>], mut others: Vec<Complex<f64>>, largest: f64) -> Vec<f64> {
+    let rounding = ULPS * f64::EPSILON * largest;
+    let uncertainty = |value: &Complex<f64>| {
         let off = |other: &Complex<f64>| modulus(other - value);
         let distances = others.iter().map(off).enumerate();
         let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
@@ -297,8 +332,7 @@ pub fn multiplier_uncertainties<Kind>(
             SAFETY * distance + rounding
         })
     };
-    let found = multipliers(&orbit.monodromy);
-    found.into_iter().map(uncertainty).collect()
+    found.iter().map(uncertainty).collect()
 }
 
 /// A state of an orbit, and its mode there.

@@ -45,7 +45,7 @@ impl<'a> Tangent<'a> {
     pub(crate) fn new(system: &'a dyn Dynamics, options: &Options) -> Self {
         let carrying = Carrying {
             method: options.method,
-            tolerance: options.rtol.max(options.atol),
+            tolerance: options.finest(),
         };
         Tangent { system, carrying }
     }

@@ -144,7 +144,7 @@ fn advance<M: RungeKutta, const N: usize, const W: usize>(
         let is_accurate = || {
             let allowed = Tolerance {
                 rtol: 0.0,
-                atol: pieces.tolerance * size,
+                atol: [pieces.tolerance * size; N],
             };
             let of_vector = step.estimates.as_ref().map(|estimates| Estimates {
                 fifth: of(&estimates.fifth),

@@ -193,7 +193,7 @@ pub(super) fn allowed<J: Jumps<N>, const N: usize>(
     (states, options): (usize, &Options),
 ) -> f64 {
     let (slopes, _) = gradient(|t, x| jumps.when(jump, t, x), at, states);
-    let error = at.x.map(|x| options.atol + options.rtol * x.abs());
+    let error = State::from_fn(|i, _| options.allowed(i, at.x[i].abs()));
     slopes.abs().dot(&error)
 }
 

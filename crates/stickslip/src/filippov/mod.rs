@@ -1,6 +1,7 @@
 //! Filippov systems: the switching rules on Σ, event location, and the integration that yields
 //! steps, phases and transitions.
 
+mod absolute;
 mod accumulation;
 mod batch;
 mod check;
@@ -31,6 +32,7 @@ mod taylor;
 mod two_fold;
 mod uncertainty;
 
+pub use absolute::AbsoluteTolerance;
 pub(crate) use batch::{Member, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};

@@ -1,5 +1,7 @@
 //! Settings of the solver.
 
+use super::absolute::AbsoluteTolerance;
+use crate::dynamics::Vector;
 use crate::error::{Error, require};
 use crate::ode::Tolerance;
 
@@ -94,9 +96,10 @@ pub enum AtPileUp {
 pub struct Options {
     /// Relative error allowed per step; default 1e-10.
     pub rtol: f64,
-    /// Absolute error allowed per step, in the units of the state; default 1e-10. States that stay
-    /// far below it are not resolved.
-    pub atol: f64,
+    /// Absolute error allowed per step, for all states or for each, in their units; default 1e-10.
+    /// States that stay far below it are not resolved. Where an analysis compares whole states, the
+    /// largest counts; a distance from a boundary is zero by the smallest.
+    pub atol: AbsoluteTolerance,
     /// Integrator; default [`Method::Dop853`].
     pub method: Method,
     /// Event location; default [`Locator::Auto`].
@@ -138,7 +141,7 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             rtol: 1e-10,
-            atol: 1e-10,
+            atol: 1e-10.into(),
             method: Method::Dop853,
             locator: Locator::Auto,
             longest_step: f64::INFINITY,
@@ -167,7 +170,7 @@ impl Options {
     pub fn tol(tolerance: f64) -> Self {
         Options {
             rtol: tolerance,
-            atol: tolerance,
+            atol: tolerance.into(),
             ..Options::default()
         }
     }
@@ -220,11 +223,45 @@ impl Options {
         }
     }
 
+    /// Sets the absolute tolerance: a number for all states, or an [`AbsoluteTolerance`] with one
+    /// for each.
+    #[must_use]
+    pub fn atol(self, atol: impl Into<AbsoluteTolerance>) -> Self {
+        Options {
+            atol: atol.into(),
+            ..self
+        }
+    }
+
+    /// Error that a step may make in a component of this size.
+    #[inline(always)]
+    pub fn allowed(&self, component: usize, size: f64) -> f64 {
+        self.atol.of(component) + self.rtol * size
+    }
+
+    /// The largest error that a step may make in a component of a state.
+    pub fn largest_allowed(&self, x: &Vector) -> f64 {
+        let each = x.iter().enumerate();
+        each.fold(0.0, |most: f64, (i, x)| most.max(self.allowed(i, x.abs())))
+    }
+
+    /// The largest of the tolerances, relative and absolute.
+    pub fn coarsest(&self) -> f64 {
+        self.rtol.max(self.atol.largest())
+    }
+
+    /// The tolerance by which methods choose their order: the relative one, unless every absolute
+    /// one is larger.
+    pub(crate) fn finest(&self) -> f64 {
+        self.rtol.max(self.atol.smallest())
+    }
+
     /// The tolerances as the step-size control takes them.
-    pub(crate) fn tolerance(&self) -> Tolerance {
+    #[inline(always)]
+    pub(crate) fn tolerance<const N: usize>(&self) -> Tolerance<N> {
         Tolerance {
             rtol: self.rtol,
-            atol: self.atol,
+            atol: self.atol.components(),
         }
     }
 
@@ -265,11 +302,14 @@ impl Options {
     /// [`Error::Option`] with name, value and bound of the first that is not allowed.
     pub fn check(&self) -> Result<(), Error> {
         let allowed = |tol: f64, least: f64| (least..=MAX_TOLERANCE).contains(&tol);
-        let (relative, absolute) = (self.rtol, self.atol);
-        let is_allowed = allowed(relative, MIN_TOLERANCE);
-        require(is_allowed, "rtol", relative, "between 1e-15 and 0.1")?;
-        let is_allowed = allowed(absolute, MIN_ABSOLUTE);
-        require(is_allowed, "atol", absolute, "between 1e-280 and 0.1")?;
+        let is_allowed = allowed(self.rtol, MIN_TOLERANCE);
+        require(is_allowed, "rtol", self.rtol, "between 1e-15 and 0.1")?;
+        let common = self.atol.smallest();
+        let given = self.atol.values().iter().copied();
+        for atol in given.chain([common]) {
+            let is_allowed = allowed(atol, MIN_ABSOLUTE);
+            require(is_allowed, "atol", atol, "between 1e-280 and 0.1")?;
+        }
         if let Some(step) = self.fixed_step() {
             let good = step > 0.0 && step.is_finite();
             require(good, "method.step", step, "positive and finite")?;

@@ -266,7 +266,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             if moved <= TIME_ROUNDING * size {
                 return extent;
             }
-            extent.max(moved / (options.atol + options.rtol * size))
+            extent.max(moved / options.allowed(i, size))
         };
         self.extent = end.x.iter().copied().enumerate().fold(self.extent, reached);
         // A step may lead back to where it began.

@@ -59,7 +59,7 @@ fn root_law<F: Flow<N>, const N: usize, const G: usize>(
     // A law without a root does not change over what counts as no distance.
     let nearest = x.add_scaled(run.slack(), &normal);
     let (here, there) = (flow.velocity(t, &x), flow.velocity(t, &nearest));
-    if (0..run.states).all(|i| is_same(here[i], there[i], &tolerance)) {
+    if (0..run.states).all(|i| is_same(i, (here[i], there[i]), &tolerance)) {
         return None;
     }
     let farthest = FARTHEST * uncertainty(flow, guard, at, &tolerance).by_tolerance;
@@ -82,9 +82,13 @@ fn root_law<F: Flow<N>, const N: usize, const G: usize>(
     })
 }
 
-/// Whether two values agree within the tolerance.
-fn is_same(one: f64, other: f64, tolerance: &Tolerance) -> bool {
-    (one - other).abs() <= tolerance.atol + tolerance.rtol * one.abs()
+/// Whether two values of a component agree within the tolerance.
+fn is_same<const N: usize>(
+    component: usize,
+    (one, other): (f64, f64),
+    tolerance: &Tolerance<N>,
+) -> bool {
+    (one - other).abs() <= tolerance.allowed(component, one.abs())
 }
 
 impl<const N: usize, const G: usize> StepState<N, G> {
@@ -112,7 +116,6 @@ impl<const N: usize, const G: usize> StepState<N, G> {
     /// The end of that step.
     fn left_by<F: Flow<N>>(&self, flow: &F, guard: usize, law: &RootLaw<N>) -> Option<Timed<N>> {
         let from = self.at;
-        let tolerance = self.options.tolerance();
         let start = flow.velocity(from.t, &from.x);
         let rate =
             |t: f64, x: &State<N>, f: &State<N>| flow.rate(guard, t, components(x), components(f));
@@ -154,7 +157,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
             };
             // Along a straight line instead, the step differs by less than the tolerance.
             let is_short = (0..self.states).all(|i| {
-                let allowed = tolerance.atol + tolerance.rtol * from.x[i].abs();
+                let allowed = self.options.allowed(i, from.x[i].abs());
                 (to[i] - straight[i]).abs() <= allowed
             });
             let to = Timed { t, x: to };

@@ -104,6 +104,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
             is_prescribed: false,
             waits_before: None,
         };
+        options.atol.check_states(states)?;
         run.check_escape()?;
         Ok(run)
     }
@@ -205,8 +206,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
         };
         let is_bounded = longest <= rounding;
         let step = if is_bounded { longest } else { step };
-        let outruns =
-            |i: usize| slope[i].abs() * rounding > options.atol + options.rtol * x[i].abs();
+        let outruns = |i: usize| slope[i].abs() * rounding > options.allowed(i, x[i].abs());
         let is_late = t - self.t_start <= TOO_LATE * rounding && (0..self.states).any(outruns);
         let (t, x) = (*t, Point::from(x));
         if is_bounded || is_late {
@@ -224,7 +224,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
             x,
             step,
             rtol: options.rtol,
-            atol: options.atol,
+            atol: options.atol.smallest(),
         }
     }
 
@@ -265,7 +265,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
             let Some((rate, power, distance)) = law(0.0) else {
                 continue;
             };
-            let tolerance = self.options.atol + self.options.rtol * (x[i] + distance).abs();
+            let tolerance = self.options.allowed(i, (x[i] + distance).abs());
             let is_same = |&(_, nearer, left): &(f64, f64, f64)| {
                 (nearer - power).abs() < SAME_LAW
                     && (left - 0.25 * distance).abs() < SAME_LAW * distance.abs()
@@ -284,7 +284,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
 
     /// Distance at which a state counts as being on its manifold.
     pub(crate) fn slack(&self) -> f64 {
-        EVENT_PRECISION * self.options.atol
+        EVENT_PRECISION * self.options.atol.smallest()
     }
 
     pub(crate) fn check_escape(&self) -> Result<(), Error> {

@@ -320,10 +320,9 @@ impl<const N: usize, const G: usize> StepState<N, G> {
     /// accepted as it is.
     fn agrees(&self, event: &Event<N>, dense: &Dense<N>) -> bool {
         let there = dense.at_time(event.at.t);
-        let tolerance = self.options.tolerance();
         self.options.fixed_step().is_some()
             || (0..N).all(|i| {
-                let allowed = tolerance.atol + tolerance.rtol * there[i].abs();
+                let allowed = self.options.allowed(i, there[i].abs());
                 (event.at.x[i] - there[i]).abs() <= DENSE_MISMATCH * allowed
             })
     }

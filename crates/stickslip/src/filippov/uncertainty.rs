@@ -50,7 +50,7 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     flow: &F,
     i: usize,
     at: &Timed<N>,
-    tolerance: &Tolerance,
+    tolerance: &Tolerance<N>,
 ) -> Uncertainty {
     let of = (flow.dimension(), tolerance);
     let [one] = propagate(at, of, |t, x| [flow.guard(i, t, x)]);
@@ -61,7 +61,7 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
 pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
     at: &Timed<N>,
-    tolerance: &Tolerance,
+    tolerance: &Tolerance<N>,
 ) -> [Uncertainty; G] {
     let of = (flow.dimension(), tolerance);
     propagate(at, of, |t, x| flow.field_and_guards(t, x).1)
@@ -71,7 +71,7 @@ pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
 #[inline(always)]
 pub(crate) fn propagate<const N: usize, const G: usize>(
     at: &Timed<N>,
-    (dimension, tolerance): (usize, &Tolerance),
+    (dimension, tolerance): (usize, &Tolerance<N>),
     guards: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> [Dual<f64>; G],
 ) -> [Uncertainty; G] {
     let mut blurs = [Uncertainty {
@@ -84,7 +84,7 @@ pub(crate) fn propagate<const N: usize, const G: usize>(
         let here = guards(t, &x);
         let size = if direction < N { at.x[direction] } else { at.t }.abs();
         let error = match direction < N {
-            true => tolerance.atol + tolerance.rtol * size,
+            true => tolerance.allowed(direction, size),
             false => 0.0,
         };
         // The slope of a root at zero is infinite, and its change over the error is not.

@@ -8,17 +8,18 @@ use crate::system::State;
 
 /// Error allowed per step: `atol + rtol · |x|` in every component.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tolerance {
+pub struct Tolerance<const N: usize> {
     /// Relative part.
     pub rtol: f64,
-    /// Absolute part, in the units of the state.
-    pub atol: f64,
+    /// Absolute part of each component, in its units.
+    pub atol: [f64; N],
 }
 
-impl Tolerance {
+impl<const N: usize> Tolerance<N> {
+    /// Error that a component of this size may have.
     #[inline(always)]
-    fn scale(&self, magnitude: f64) -> f64 {
-        self.atol + self.rtol * magnitude
+    pub(crate) fn allowed(&self, component: usize, size: f64) -> f64 {
+        self.atol[component] + self.rtol * size
     }
 }
 
@@ -51,7 +52,7 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     step: &Stages<State<N>>,
     x0: &State<N>,
     h: f64,
-    tolerance: (&Tolerance, usize),
+    tolerance: (&Tolerance<N>, usize),
 ) -> f64 {
     let estimates = M::EMBEDDED.as_ref().map(|embedded| {
         let eighth: State<N> = weigh(&step.k, &M::COEFFICIENTS.b);
@@ -69,7 +70,7 @@ pub(crate) fn squared_error_of<const N: usize>(
     estimates: Option<&Estimates<State<N>>>,
     [x0, end]: [&State<N>; 2],
     h: f64,
-    (tolerance, states): (&Tolerance, usize),
+    (tolerance, states): (&Tolerance<N>, usize),
 ) -> f64 {
     let of_exact = || match end.iter().all(|v| v.is_finite()) {
         true => 0.0,
@@ -81,7 +82,7 @@ pub(crate) fn squared_error_of<const N: usize>(
     };
     let (mut sum5, mut sum3) = (0.0, 0.0);
     for i in 0..N {
-        let scale = tolerance.scale(x0[i].abs().max(end[i].abs()));
+        let scale = tolerance.allowed(i, x0[i].abs().max(end[i].abs()));
         let (e5, e3) = (fifth[i] / scale, third[i] / scale);
         sum5 += e5 * e5;
         sum3 += e3 * e3;
@@ -119,13 +120,13 @@ pub(crate) fn first_step<const N: usize>(
     t: f64,
     x: &State<N>,
     slope: &State<N>,
-    (tolerance, states): (&Tolerance, usize),
+    (tolerance, states): (&Tolerance<N>, usize),
     longest: f64,
 ) -> f64 {
     let norm = |v: &State<N>| {
         let mut sum = 0.0;
         for i in 0..states {
-            let q = v[i] / tolerance.scale(x[i].abs());
+            let q = v[i] / tolerance.allowed(i, x[i].abs());
             sum += q * q;
         }
         (sum / states as f64).sqrt()

@@ -224,7 +224,7 @@ mod tests {
             let slope = field(0.0, &x);
             let tolerance = Tolerance {
                 rtol: tol,
-                atol: tol,
+                atol: [tol; 2],
             };
             let mut h = 4.0;
             let mut step = loop {

@@ -163,7 +163,7 @@ impl Basin {
         };
         recurrence(system, basin.until).check()?;
         // A wrong option should be reported before the sweep, not by its first block.
-        basin.solver.options()?;
+        basin.solver.options(system)?;
         basin.measures.check(&basin.points, &basin.plane, system)?;
         Ok(basin)
     }
@@ -190,7 +190,7 @@ impl Sweep for Basin {
 
     fn block(&self, system: &System, index: usize, _: Option<Block>) -> Result<Block, Failure> {
         let settings = recurrence(system, self.until);
-        let options = self.solver.options()?;
+        let options = self.solver.options(system)?;
         let points = self.points.of_block(index);
         let starts: Vec<Vector> = points
             .map(|point| Vector::from(self.start(point)))
@@ -284,7 +284,7 @@ impl Sweep for Basin {
         let measured = Measured {
             system,
             settings: recurrence(system, self.until),
-            options: self.solver.options()?,
+            options: self.solver.options(system)?,
             plane: &self.plane,
             points: self.points,
             attractors: &attractors,
@@ -342,7 +342,7 @@ impl Basin {
         path: &Path,
     ) -> Result<(Vec<OutcomeShare>, Vec<u32>), Failure> {
         let settings = recurrence(system, self.until);
-        let options = self.solver.options()?;
+        let options = self.solver.options(system)?;
         let mut distinct = Attractors::new(system.dynamics(), &settings, &options);
         let mut reached = Vec::new();
         let mut returns: Vec<Returns> = Vec::new();

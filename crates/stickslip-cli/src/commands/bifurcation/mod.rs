@@ -161,7 +161,7 @@ impl Bifurcation {
         }
         let values = diagram.values.get();
         not_too_many(&format!("--values {values}"), Some(values))?;
-        diagram.solver.options()?;
+        diagram.solver.options(system)?;
         for value in [diagram.parameter.low, diagram.parameter.high] {
             let system = diagram.parameter.system(system, value)?;
             recurrence(&system, diagram.until).check()?;
@@ -216,7 +216,7 @@ impl Sweep for Bifurcation {
             let before = before.and_then(|mut before| before.shares.pop());
             return self.block_of_shares(shares, system, index, before);
         }
-        let options = self.solver.options()?;
+        let options = self.solver.options(system)?;
         let last = before.and_then(|mut before| before.found.pop());
         let diagram = Diagram {
             system,

@@ -146,7 +146,7 @@ impl Bifurcation {
         index: usize,
         before: Option<SharesAt>,
     ) -> Result<Block, Failure> {
-        let options = self.solver.options()?;
+        let options = self.solver.options(system)?;
         let mut last = before
             .map(|before| {
                 let there = self.parameter.system(system, before.parameter)?;

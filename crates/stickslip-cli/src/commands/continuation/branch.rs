@@ -95,7 +95,9 @@ impl<'a> BranchStart<'a> {
             Ok::<Branch, Failure>(followed)
         };
         let (down, up) = rayon::join(|| way(false), || way(true));
-        self.along.joined([down?, up?], options)
+        let mut branch = self.along.joined::<Failure>([down?, up?], options)?;
+        self.along.find_uncertainties(&mut branch, options);
+        Ok(branch)
     }
 
     /// The system with a second parameter as a state.

@@ -53,7 +53,8 @@ pub(super) fn columns<'a>(
     let of_points = points.iter().map(|(_, at)| at.orbit.multipliers.len());
     let multipliers = of_points.max();
     let numbers = 1..=multipliers.unwrap_or(0);
-    let parts = numbers.flat_map(|k| ["re", "im"].map(|part| format!("multiplier{k}_{part}")));
+    let parts = ["re", "im", "uncertainty"];
+    let parts = numbers.flat_map(|k| parts.map(|part| format!("multiplier{k}_{part}")));
     numbered(is_numbered, |(number, _): &&(usize, &BranchOrbit)| *number)
         .column(parameter, |(_, at)| at.orbit.parameter)
         .column("period", |(_, at)| at.orbit.period)
@@ -68,10 +69,9 @@ pub(super) fn columns<'a>(
                 .collect()
         })
         .many("multipliers", parts.collect(), |(_, at)| -> Vec<f64> {
-            at.orbit
-                .multipliers
-                .iter()
-                .flat_map(|one| [one.re, one.im])
+            let multipliers = at.orbit.multipliers.iter().zip(&at.uncertainties);
+            multipliers
+                .flat_map(|(one, &uncertainty)| [one.re, one.im, uncertainty])
                 .collect()
         })
 }

@@ -81,7 +81,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<CommandOutput, Failure> {
     let system = arguments.run.system()?;
-    let options = arguments.run.solver.options()?;
+    let options = arguments.run.solver.options(&system)?;
     let wanted = request::wanted(arguments, &system, options)?;
     wanted.notes.iter().for_each(|line| note(line));
     // States of the start may be what is fitted.

@@ -58,6 +58,7 @@ pub(super) fn read(
             meaning: Some(format!("1 while the stop {name} carries")),
             start: Some(Formula::number(0.0, 0..0)),
             range: None,
+            atol: None,
             is_discrete: true,
         });
         names.add_part(&name, "force", Meaning::Force(number));

@@ -110,7 +110,7 @@ impl<'a> Attractors<'a> {
     /// Whether a multiplier lies outside the unit circle by more than the error of two that meet on
     /// it, the square root of that of the solver. In a family that is no criterion.
     fn is_unstable(&self, cycle: &Cycle) -> bool {
-        let error = SOLVER_TOLERANCES * self.options.rtol.max(self.options.atol);
+        let error = SOLVER_TOLERANCES * self.options.coarsest();
         let values = multipliers(&cycle.monodromy);
         cycle.family == 0 && values.iter().any(|one| one.norm() > 1.0 + error.sqrt())
     }

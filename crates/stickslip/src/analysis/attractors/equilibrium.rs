@@ -285,7 +285,7 @@ pub(super) fn attracting_equilibrium(
     tolerance: &SameWithin,
 ) -> Option<(AttractorKind, Vector)> {
     let Equilibrium { x, jacobian } = equilibrium_near(system, mode, at.t, &at.x, system.states())?;
-    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= OSCILLATION * tolerance.allowed(scale(i));
+    let is_near = |i: usize| (x[i] - at.x[i]).abs() <= OSCILLATION * tolerance.allowed(i, scale(i));
     if !(0..x.len()).all(is_near) {
         return None;
     }

@@ -205,7 +205,7 @@ impl Recurrence {
     fn is_same(&self, one: &SectionPoint, other: &SectionPoint) -> bool {
         let rounding = SameWithin {
             closeness: 0.0,
-            atol: 0.0,
+            atol: 0.0.into(),
             rtol: ROUNDING / SOLVER_TOLERANCES,
         };
         self.apart(one, other, &rounding) <= 1.0
@@ -215,12 +215,12 @@ impl Recurrence {
     fn apart(&self, one: &SectionPoint, other: &SectionPoint, near: &SameWithin) -> f64 {
         let mut most = 0.0_f64;
         for i in 0..self.scale.len() {
-            let allowed = near.allowed(self.scale[i]);
+            let allowed = near.allowed(i, self.scale[i]);
             most = most.max((one.at.x[i] - other.at.x[i]).abs() / allowed);
         }
         if self.forcing.is_some() {
             let gap = (one.beat - other.beat).abs();
-            most = most.max(gap.min(1.0 - gap) / near.allowed(1.0));
+            most = most.max(gap.min(1.0 - gap) / near.allowed_of_phase());
         }
         most
     }
@@ -230,7 +230,7 @@ impl Recurrence {
         let (here, before) = (&self.points[last], &self.points[last - lag]);
         let tolerance = SameWithin {
             closeness: 0.0,
-            atol: self.tolerance.atol / SOLVER_TOLERANCES,
+            atol: self.tolerance.atol.map(|atol| atol / SOLVER_TOLERANCES),
             rtol: self.tolerance.rtol / SOLVER_TOLERANCES,
         };
         here.tag == before.tag && self.apart(here, before, &tolerance) <= 1.0
@@ -309,7 +309,7 @@ impl Recurrence {
         let period = here.at.t - there.at.t;
         let rounding = match self.forcing {
             Some(_) => f64::EPSILON * here.at.t.abs(),
-            None => self.tolerance.rounding(period),
+            None => self.tolerance.rounding_of_time(period),
         };
         Pattern {
             returns: lag,
@@ -329,7 +329,7 @@ impl Recurrence {
         let mut moves = false;
         for i in 0..low.len() {
             let width = high[i] - low[i];
-            let rounding = self.tolerance.rounding(pattern.extent.size(i));
+            let rounding = self.tolerance.rounding(i, pattern.extent.size(i));
             if width > rounding {
                 moves |= width > LEAST_WIDTH * rounding;
                 if remainder * (here.at.x[i] - there.at.x[i]).abs() > LARGEST_REMAINDER * width {

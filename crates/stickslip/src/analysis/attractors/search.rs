@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
         self.extent_since_point.include(x);
         self.extent.include(x);
         let stays = |i: usize| {
-            (x[i] - self.previous[i]).abs() <= self.tolerance.allowed(self.extent.size(i))
+            (x[i] - self.previous[i]).abs() <= self.tolerance.allowed(i, self.extent.size(i))
         };
         let has_stayed = (0..x.len()).all(stays);
         self.previous.copy_from_slice(x);
@@ -200,7 +200,7 @@ impl<'a> Search<'a> {
     fn close_to(&self, equilibrium: &Vector, x: &Vector) -> Vector {
         let away = x - equilibrium;
         let parts =
-            (0..x.len()).map(|i| self.tolerance.allowed(self.extent.size(i)) / away[i].abs());
+            (0..x.len()).map(|i| self.tolerance.allowed(i, self.extent.size(i)) / away[i].abs());
         let part = parts.fold(1.0, f64::min);
         equilibrium + away * part
     }
@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
     fn is_held(&self, pattern: &Pattern, mode: Modes) -> bool {
         let Pattern { extent, counts, .. } = pattern;
         let stays =
-            |i: usize| extent.high[i] - extent.low[i] <= self.tolerance.rounding(extent.size(i));
+            |i: usize| extent.high[i] - extent.low[i] <= self.tolerance.rounding(i, extent.size(i));
         let is_held = mode.any_sticks() && counts.0.transitions == counts.1.transitions;
         self.settings.forcing.is_some() && is_held && (0..extent.low.len()).all(stays)
     }

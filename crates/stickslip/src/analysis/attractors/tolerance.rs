@@ -1,5 +1,6 @@
 //! The tolerance within which two states are the same, and the range that an orbit has covered.
 
+use crate::AbsoluteTolerance;
 use crate::dynamics::Vector;
 
 /// Tolerances of the solver by which computed points may be off. Chosen: the error of a step is
@@ -17,18 +18,28 @@ pub(super) struct SameWithin {
     pub closeness: f64,
     /// Tolerance of the solver.
     pub rtol: f64,
-    pub atol: f64,
+    pub atol: AbsoluteTolerance,
 }
 
 impl SameWithin {
     /// Largest allowed difference of a component of this size.
-    pub fn allowed(&self, scale: f64) -> f64 {
-        self.closeness * scale + self.rounding(scale)
+    pub fn allowed(&self, component: usize, scale: f64) -> f64 {
+        self.closeness * scale + self.rounding(component, scale)
     }
 
-    /// Difference that the solver leaves.
-    pub fn rounding(&self, scale: f64) -> f64 {
-        SOLVER_TOLERANCES * (self.atol + self.rtol * scale)
+    /// Largest allowed difference of two phases of the forcing.
+    pub fn allowed_of_phase(&self) -> f64 {
+        self.closeness + self.rounding_of_time(1.0)
+    }
+
+    /// Difference that the solver leaves in a component of this size.
+    pub fn rounding(&self, component: usize, scale: f64) -> f64 {
+        SOLVER_TOLERANCES * (self.atol.of(component) + self.rtol * scale)
+    }
+
+    /// Difference that the solver leaves in a duration.
+    pub fn rounding_of_time(&self, duration: f64) -> f64 {
+        SOLVER_TOLERANCES * (self.atol.largest() + self.rtol * duration)
     }
 }
 

@@ -434,7 +434,7 @@ impl Tracking<'_> {
 
 /// Number of multipliers outside the unit circle by more than the error of two that meet on it.
 fn unstable(monodromy: &crate::dynamics::Matrix, options: &Options) -> usize {
-    let error = SOLVER_TOLERANCES * options.rtol.max(options.atol);
+    let error = SOLVER_TOLERANCES * options.coarsest();
     let values = multipliers(monodromy);
     let outside = values
         .iter()

@@ -139,8 +139,8 @@ pub fn least_pushes<Kind>(
             return Ok(None);
         };
         loop {
-            let x = (&from + direction * outside).amax();
-            let error = SOLVER_TOLERANCES * (options.atol + options.rtol * x) / direction.amax();
+            let x = &from + direction * outside;
+            let error = SOLVER_TOLERANCES * options.largest_allowed(&x) / direction.amax();
             let middle = 0.5 * (inside + outside);
             let is_between = inside < middle && middle < outside;
             if !is_between || outside - inside <= error.max(PRECISION * outside) {

@@ -97,7 +97,7 @@ pub fn return_time<Kind>(
             )
         }
         (AttractorKind::Equilibrium | AttractorKind::EquilibriumSet, _, Some(point)) => {
-            let error = SOLVER_TOLERANCES * (options.atol + options.rtol * point.x.amax());
+            let error = SOLVER_TOLERANCES * (options.largest_allowed(&point.x));
             let enough = error.max(STAYS_WITHIN * tolerance);
             let stays = |distance: f64, _: f64| distance <= enough;
             let distance = |x: &Vector| (x - &point.x).norm();

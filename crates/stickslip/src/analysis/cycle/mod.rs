@@ -37,7 +37,7 @@ pub(super) const ULPS: f64 = 16.0;
 
 /// Relative error within which an orbit closes and its event functions vanish.
 pub(super) fn closeness(options: &Options) -> f64 {
-    TOLERANCES * options.atol.max(options.rtol)
+    TOLERANCES * options.coarsest()
 }
 
 /// The equations for a periodic orbit of a system.

@@ -108,7 +108,7 @@ impl Shooting<'_> {
             let mut options = *options;
             if self.is_finer {
                 options.rtol = (FINER * options.rtol).max(MIN_TOLERANCE);
-                options.atol *= FINER;
+                options.atol = options.atol.map(|atol| FINER * atol);
             }
             let landed = self.run_to_rest((impact, landing), begin, t_end, &options)?;
             let begin = landed.end.clone();

@@ -274,7 +274,7 @@ impl<'a> Shooting<'a> {
 /// For an orbit at zero it is 1. A length below a hundred times the residual in which orbits close
 /// is not resolved, and counts as zero.
 fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
-    let least = TOLERANCES * TOLERANCES * options.atol.max(options.rtol);
+    let least = TOLERANCES * TOLERANCES * options.coarsest();
     let size = outline.begin.x.rows(0, states).amax();
     let mut lengths = [extent, size].into_iter();
     lengths.find(|one| *one > least).unwrap_or(1.0)

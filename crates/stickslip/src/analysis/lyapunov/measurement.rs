@@ -201,7 +201,7 @@ impl<'a> Measurement<'a> {
         self.largest.as_mut().is_some_and(|largest| {
             *largest = largest.max(size);
             let is_small = size < solver.rtol.sqrt() * *largest;
-            is_small && solver.atol > MIN_ABSOLUTE && !step.mode.any_sticks()
+            is_small && solver.atol.largest() > MIN_ABSOLUTE && !step.mode.any_sticks()
         })
     }
 
@@ -214,7 +214,8 @@ impl<'a> Measurement<'a> {
         let size = at.x.amax();
         let solver = &mut self.settings.solver;
         if let Some(largest) = self.largest.replace(size) {
-            solver.atol = (solver.atol * (size / largest)).max(MIN_ABSOLUTE);
+            let smaller = size / largest;
+            solver.atol = solver.atol.map(|atol| (atol * smaller).max(MIN_ABSOLUTE));
         }
         let system = self.tangent.system;
         system.begin(at, t_end, solver, &[])
@@ -332,9 +333,8 @@ impl Measurement<'_> {
 
     fn is_at_place(&self, x: &Vector) -> bool {
         let solver = &self.settings.solver;
-        let parts = x.iter().zip(&self.narrow.0.x);
-        let mut parts = parts.map(|(a, b)| (a - b).abs() <= solver.atol + solver.rtol * a.abs());
-        parts.all(|is_near| is_near)
+        let mut parts = x.iter().zip(&self.narrow.0.x).enumerate();
+        parts.all(|(i, (a, b))| (a - b).abs() <= solver.allowed(i, a.abs()))
     }
 
     /// Carries the frame over the last step of an orbit.

@@ -174,12 +174,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
             return None;
         }
         let Timed { t, x } = self.at;
-        let (tolerance, slack) = (run.options.tolerance(), run.slack());
+        let slack = run.slack();
         run.counters.field_calls += joint.field_calls() * 4;
         let time = Interval::around(t, STATE_ROUNDING * t.abs());
         let state: [Interval; N] = std::array::from_fn(|k| {
             let size = x[k].abs();
-            let by_tolerance = EVENT_PRECISION * (tolerance.atol + tolerance.rtol * size);
+            let by_tolerance = EVENT_PRECISION * run.options.allowed(k, size);
             let is_used = k < self.system.dimension();
             let radius = STATE_ROUNDING * size + by_tolerance.max(slack);
             Interval::around(x[k], if is_used { radius } else { 0.0 })

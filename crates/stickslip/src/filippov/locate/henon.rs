@@ -119,7 +119,7 @@ mod tests {
         let slope = field(from.t, &from.x);
         let tolerance = Tolerance {
             rtol: tol,
-            atol: tol,
+            atol: [tol; 2],
         };
         let mut h = 8.0;
         loop {

@@ -299,7 +299,7 @@ where
     pub(crate) fn tolerated(&self, number: usize, at: &Timed<N>, options: &Options) -> f64 {
         let (slopes, _) = self.slopes(number, at);
         let size = self.size.sup(&at.x.abs());
-        let error = size.map(|size| options.atol + options.rtol * size);
+        let error = State::from_fn(|i, _| options.allowed(i, size[i]));
         TOLERATED * slopes.abs().dot(&error)
     }
 

@@ -97,7 +97,7 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
 
 impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     pub(crate) fn new(options: &Options) -> Self {
-        let tolerance = options.rtol.max(options.atol);
+        let tolerance = options.finest();
         // Jorba & Zou, Eq. (11), plus a few orders: the overhead of a step is spread over more
         // orders.
         let order = (0.5 * -math::ln(tolerance) + 8.0) as usize;
@@ -410,7 +410,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             let (certain, _) = step_series.at(kink.certain);
             let exactly = Options {
                 rtol: run.options.rtol.min(f64::EPSILON),
-                atol: run.options.atol.min(f64::EPSILON),
+                atol: run.options.atol.map(|atol| atol.min(f64::EPSILON)),
                 ..run.options
             };
             solves(&certain, &step_series.slope(kink.certain), &exactly)

@@ -97,7 +97,7 @@ impl<const N: usize> StepSeries<N> {
         (0..N).all(|i| {
             let rise = self.h * field[i];
             let size = f64::max(at.x[i].abs(), rise.abs());
-            let allowed = SERIES_DEFECT * (options.atol + options.rtol * size);
+            let allowed = SERIES_DEFECT * options.allowed(i, size);
             at.x[i].is_finite() && (rise - slope[i]).abs() <= allowed
         })
     }

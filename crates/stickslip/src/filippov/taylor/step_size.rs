@@ -138,12 +138,12 @@ pub(in crate::filippov) fn step_ratio<const L: usize, const N: usize, const G: u
     (t, h): (Lanes<L>, Lanes<L>),
     x: &[Lanes<L>; N],
 ) -> Lanes<L> {
-    let relative = options.rtol.max(options.atol);
+    let relative = options.finest();
     let tolerance = rough_log2(TAIL_SAFETY * relative);
     let wanted = tolerance * inverse(p);
     let mut log = [f64::INFINITY; L];
-    for (row, x) in rows.iter().zip(x) {
-        let scale = |x: f64| rough_log2((options.atol + options.rtol * x.abs()) / relative);
+    for (i, (row, x)) in rows.iter().zip(x).enumerate() {
+        let scale = |x: f64| rough_log2(options.allowed(i, x.abs()) / relative);
         let scale = lanes_of(*x, scale);
         let late = bound_by_last::<L, 4>(&mut log, (row, p), is_positive, |k, l, newest| {
             (scale[l] - newest) * inverse(k) + wanted

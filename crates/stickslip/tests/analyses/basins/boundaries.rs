@@ -189,7 +189,7 @@ fn an_equilibrium_where_terms_cancel_is_one_attractor() {
         for options in [
             Options::tol(1e-12),
             Options {
-                atol: 1e-280,
+                atol: 1e-280.into(),
                 ..Options::tol(1e-9)
             },
         ] {

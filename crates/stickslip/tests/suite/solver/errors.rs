@@ -112,7 +112,7 @@ fn options_out_of_range() {
     for bad in bad_tolerances {
         for (options, name) in [
             (Options { rtol: bad, ..good }, "rtol"),
-            (Options { atol: bad, ..good }, "atol"),
+            (good.atol(bad), "atol"),
         ] {
             let error = line(0.0, -1.0, 1.0, &options);
             assert!(

@@ -5,3 +5,4 @@ mod by_runge_kutta;
 mod by_taylor;
 pub mod systems;
 mod tableaux;
+mod tolerances;
