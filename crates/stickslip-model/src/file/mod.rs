@@ -67,6 +67,7 @@ mod stops;
 mod switching;
 mod system;
 mod table;
+mod template;
 mod undefined;
 
 pub use build::Built;

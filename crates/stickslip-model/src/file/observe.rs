@@ -68,12 +68,11 @@ impl System {
             text: text.to_owned(),
         };
         let free = Freed::of(variables, false);
-        let made = Formula::parsed(text, 0..text.len(), &source).and_then(|formula| {
-            let tape = build::formula(&self.file, &self.values, free, &formula)?;
-            let switching = build::built(&self.file, &self.values, free)?.switching;
-            Ok(Observed { tape, switching })
-        });
-        made.map_err(|problem| FileError::wrong(problem, source))
+        let made = Formula::parsed(text, 0..text.len(), &source)
+            .and_then(|formula| build::formula(&self.file, &self.values, free, &formula));
+        let tape = made.map_err(|problem| FileError::wrong(problem, source))?;
+        let switching = self.switching_with(free)?;
+        Ok(Observed { tape, switching })
     }
 
     /// The start time and the start of each state as formulas of the parameters `variables`, where

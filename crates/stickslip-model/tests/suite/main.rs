@@ -12,6 +12,7 @@ mod ensemble;
 mod extremes;
 mod fit;
 mod friction;
+mod held;
 mod hybrid;
 mod inputs;
 mod instants;

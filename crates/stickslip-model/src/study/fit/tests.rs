@@ -132,6 +132,20 @@ fn derivatives_of_residuals_are_differences_of_runs() {
 }
 
 #[test]
+fn records_and_parts_share_a_build() {
+    let mut request = request(&["mu", "x"]);
+    for k in 0..20 {
+        let mut record = request.records[1].clone();
+        record.set = vec![("more".to_owned(), 0.31 + 0.01 * f64::from(k))];
+        request.records.push(record);
+    }
+    let problem = Problem::new(&request).unwrap();
+    problem.in_parts(&problem.unknowns.start(), 3).unwrap();
+    // One with parameters that are fitted, and one without.
+    assert_eq!(problem.base.builds(), 2);
+}
+
+#[test]
 fn a_part_without_a_run_is_named() {
     // From 10 on the state escapes within a tenth of the time unit.
     let text = "name = \"case\"\n[states]\nx = \"\"\n[parameters]\na = 1\n[field]\n\
