@@ -55,8 +55,8 @@ pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
     folded(&file, &[], formula, NUMBERS)
 }
 
-/// Checks every expression of the file, used or not.
-pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
+/// Checks every expression of the file, used or not, and builds it.
+pub(super) fn check(file: &Arc<SystemFile>) -> Result<Template, Problem> {
     let mut graph = Graph::new();
     let values = values(file);
     let scope = Scope::Sides(Combination { above: 0, held: 0 });
@@ -123,7 +123,7 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
                 .help("a reaction is the normal force: leave `normal_force` out"));
         }
     }
-    Template::new(file, &values, NONE_FREE).map(drop)
+    Template::new(file, &values, NONE_FREE)
 }
 
 /// Whether an expression, or a definition in it, has the reaction of a stop.
@@ -175,10 +175,11 @@ pub(super) fn formula(
     values: &[f64],
     free: Freed,
     formula: &Formula,
-) -> Result<Tape, Problem> {
+) -> Result<TapeBuild, Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
-    alone(file, (&mut graph, inputs), formula, "what is observed")
+    let tape = alone(file, (&mut graph, inputs), formula, "what is observed")?;
+    Ok(TapeBuild::new(graph, tape))
 }
 
 /// The tape of a section for these parameter values.
@@ -193,20 +194,23 @@ pub(super) fn section(
     let mut graph = Graph::new();
     let inputs = inputs(file, values, NONE_FREE, &mut graph)?;
     let tape = alone(file, (&mut graph, inputs), function, SECTION)?;
-    let held = Some(Arc::new(graph.into_held_numbers()));
-    Ok(SectionBuild { tape, held })
+    Ok(SectionBuild::Alone(TapeBuild::new(graph, tape)))
 }
 
-/// The tape of a field, and the held numbers of its graph.
+/// A tape, and the held numbers of its graph.
 #[derive(Clone, Debug)]
-pub(super) struct FieldBuild {
+pub(super) struct TapeBuild {
     pub tape: Tape,
     held: Arc<HeldNumbers>,
-    /// Whether the field depends on time.
-    pub is_timed: bool,
 }
 
-impl FieldBuild {
+impl TapeBuild {
+    /// A tape of this graph.
+    pub(super) fn new(graph: Graph, tape: Tape) -> Self {
+        let held = Arc::new(graph.into_held_numbers());
+        TapeBuild { tape, held }
+    }
+
     /// The tape for these values of the parameters; `None` if a build with them would decide
     /// otherwise.
     pub(super) fn bound(&self, values: &[f64]) -> Option<Tape> {
@@ -214,21 +218,21 @@ impl FieldBuild {
     }
 }
 
-/// The tape of a section, and the held numbers of its graph unless it is that of the system.
+/// The tape of a section: of a graph of its own, or of that of the system.
 #[derive(Clone, Debug)]
-pub(super) struct SectionBuild {
-    pub tape: Tape,
-    pub held: Option<Arc<HeldNumbers>>,
+pub(super) enum SectionBuild {
+    Alone(TapeBuild),
+    OfSystem(Tape),
 }
 
 impl SectionBuild {
     /// The tape for these values of the parameters, for which the graph of the system has these
     /// held numbers; `None` if a build with them would decide otherwise.
     pub(super) fn bound(&self, values: &[f64], held: &Arc<[f64]>) -> Option<Tape> {
-        Some(match &self.held {
-            Some(own) => self.tape.with_held(&own.of(values)?),
-            None => self.tape.with_held(held),
-        })
+        match self {
+            SectionBuild::Alone(build) => build.bound(values),
+            SectionBuild::OfSystem(tape) => Some(tape.with_held(held)),
+        }
     }
 }
 
@@ -449,20 +453,19 @@ fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     }
 }
 
-/// The tape of the friction of each contact in a combination, as a size; `None` if all are
-/// constant.
-pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> Option<Tape> {
+/// The tape of the friction of each contact in a combination, as a size.
+pub(super) fn frictions(
+    file: &SystemFile,
+    values: &[f64],
+    of: Combination,
+) -> Result<TapeBuild, Problem> {
     let (mut graph, inputs) = (Graph::new(), Inputs::fixed(values));
     let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides(of));
     let contacts = 0..file.contacts.len();
-    let sizes: Vec<Id> = contacts
-        .map(|contact| builder.size(contact))
-        .collect::<Result<_, _>>()
-        .ok()?;
-    let varies = sizes.iter().any(|&size| !graph.is_held(size));
-    varies
-        .then(|| tape(file, &graph, &sizes, inputs).ok())
-        .flatten()
+    let sizes = contacts.map(|contact| builder.size(contact));
+    let sizes: Vec<Id> = sizes.collect::<Result<_, _>>()?;
+    let tape = tape(file, &graph, &sizes, inputs)?;
+    Ok(TapeBuild::new(graph, tape))
 }
 
 /// Whether no rate depends on the sides of two contacts, in slip or while contacts hold, so that
@@ -492,22 +495,19 @@ pub(super) fn frictions_add(
     Ok(sided.iter().all(|sided| sided.count_ones() <= 1))
 }
 
-/// The field of one combination.
+/// The field of one combination, and whether it depends on time.
 pub(super) fn field(
     file: &SystemFile,
     values: &[f64],
     free: Freed,
     of: Combination,
-) -> Result<FieldBuild, Problem> {
+) -> Result<(TapeBuild, bool), Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
     let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
-    Ok(FieldBuild {
-        tape: tape(file, &graph, &rates, inputs)?,
-        held: Arc::new(graph.into_held_numbers()),
-        is_timed,
-    })
+    let tape = tape(file, &graph, &rates, inputs)?;
+    Ok((TapeBuild::new(graph, tape), is_timed))
 }
 
 pub(super) fn tape(

@@ -32,7 +32,7 @@ pub(super) const NUMBERS: Scope = Scope::Constant("the value of a parameter");
 pub const MOST_FREE: usize = 16;
 
 /// Parameters that are states.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Freed {
     /// Indices of the parameters, in order of these states.
     pub parameters: [Option<usize>; MOST_FREE],

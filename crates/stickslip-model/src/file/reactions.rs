@@ -5,8 +5,9 @@ use stickslip::error::readable;
 use stickslip::scalar::Dual;
 use stickslip::{Mode, Side};
 
-use super::build::tape;
+use super::build::{TapeBuild, tape};
 use super::builder::{Builder, Inputs, Scope};
+use super::formulas::FormulaKey;
 use super::problem::Problem;
 use super::{FileError, Formula, Source, System, stops};
 use crate::expression::{Graph, Id, Tape};
@@ -71,17 +72,21 @@ impl System {
 
     /// The tape of a formula, with the reactions behind all states.
     fn with_reactions(&self, formula: &Formula) -> Result<Tape, Problem> {
-        let (file, mut graph) = (&self.file, Graph::new());
-        let first = file.states.len() + HELD_PER_INPUT * file.inputs.len();
-        let reactions: Vec<Id> = (0..file.stops.len())
-            .map(|stop| graph.state(first + stop))
-            .collect();
-        let inputs = Inputs::fixed(&self.values);
-        let scope = Scope::NoSides("what is observed");
-        let builder = Builder::new(file, inputs, &mut graph, scope);
-        let root = builder.with_forces(reactions).formula(formula)?;
-        let states = first + file.stops.len();
-        Tape::new(&graph, &[root], states).map_err(|error| Problem::new(error.to_string(), 0..0))
+        let build = || {
+            let (file, mut graph) = (&self.file, Graph::new());
+            let first = file.states.len() + HELD_PER_INPUT * file.inputs.len();
+            let reactions: Vec<Id> = (0..file.stops.len())
+                .map(|stop| graph.state(first + stop))
+                .collect();
+            let inputs = Inputs::fixed(&self.values);
+            let scope = Scope::NoSides("what is observed");
+            let builder = Builder::new(file, inputs, &mut graph, scope);
+            let root = builder.with_forces(reactions).formula(formula)?;
+            let tape = Tape::new(&graph, &[root], first + file.stops.len());
+            let tape = tape.map_err(|error| Problem::new(error.to_string(), 0..0))?;
+            Ok(TapeBuild::new(graph, tape))
+        };
+        self.formula_tape(FormulaKey::WithReactions(formula.text.clone()), build)
     }
 
     /// The tape of the reactions in a combination of sides; `None` if there is none.
@@ -89,9 +94,13 @@ impl System {
         if self.file.stops.is_empty() {
             return None;
         }
-        let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
-        let roots = stops::reactions(&self.file, inputs, &mut graph, of).ok()?;
-        tape(&self.file, &graph, &roots, inputs).ok()
+        let build = || {
+            let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
+            let roots = stops::reactions(&self.file, inputs, &mut graph, of)?;
+            let tape = tape(&self.file, &graph, &roots, inputs)?;
+            Ok(TapeBuild::new(graph, tape))
+        };
+        self.formula_tape(FormulaKey::Reactions(of), build).ok()
     }
 
     /// Why a stop that carries at a state has no finite reaction there, in words: on some sides of

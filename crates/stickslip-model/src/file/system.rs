@@ -9,8 +9,9 @@ use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::{Direction, Scalar};
 
-use super::build::{self, Built};
+use super::build::{self, Built, TapeBuild};
 use super::builder::{Freed, NONE_FREE};
+use super::formulas::FormulaKey;
 use super::template::{Family, Template};
 use super::{FileError, Formula, Problem, SectionEntry, Source, SystemFile, did_you_mean};
 use crate::expression::Tape;
@@ -129,7 +130,8 @@ impl SystemFile {
     /// which an expression is not a finite number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
         let values = self.values_with(build::values(self), settings)?;
-        let family = Arc::new(Family::new(Arc::new(self.clone())));
+        let known = self.checked.family(self);
+        let family = known.unwrap_or_else(|| Arc::new(Family::new(Arc::new(self.clone()))));
         Ok(System::new(family, values, None)?)
     }
 
@@ -218,7 +220,7 @@ impl System {
 
     /// How often formulas were built for this system and those that differ from it in values of
     /// parameters, in free parameters or in the interrupt: as a rule once for each set of free
-    /// parameters. Formulas are built again where a value changes what is left out of them, such as
+    /// parameters, and for each formula that is observed besides. Formulas are built again where a value changes what is left out of them, such as
     /// a factor that is exactly 0 or 1.
     pub fn builds(&self) -> usize {
         self.family.builds()
@@ -272,7 +274,7 @@ impl System {
             file.sections.push(section);
         }
         let template = self.template.with_sections(Arc::new(file), builds);
-        let family = Arc::new(Family::of(template));
+        let family = Arc::new(Family::of(template, self.builds()));
         System::new(family, self.values.clone(), self.interrupt.clone())
     }
 
@@ -327,6 +329,15 @@ impl System {
         let with = (sections(&self.file, &built), self.interrupt.clone());
         let states = [self.states(), parameters];
         Ok(solver(&self.file, &built, with, states)?)
+    }
+
+    /// The tape of a formula beside the system, which systems with other values share.
+    pub(super) fn formula_tape(
+        &self,
+        key: FormulaKey,
+        build: impl FnOnce() -> Result<TapeBuild, Problem>,
+    ) -> Result<Tape, Problem> {
+        self.family.formulas.tape(key, &self.values, build)
     }
 
     /// The jumps and inputs, with free parameters as states.
@@ -518,7 +529,9 @@ impl System {
     /// The tape of the friction of each contact in a combination, as a size. `None` if all are
     /// constant.
     pub(crate) fn frictions(&self, of: Combination) -> Option<Tape> {
-        build::frictions(&self.file, &self.values, of)
+        let build = || build::frictions(&self.file, &self.values, of);
+        let tape = self.formula_tape(FormulaKey::Frictions(of), build).ok()?;
+        Some(tape).filter(|tape| !tape.is_constant())
     }
 
     /// The boundary function of a contact, and its derivative with respect to one state.

@@ -12,8 +12,9 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use stickslip::error::readable;
 
-use super::build::{self, Built, FieldBuild, SectionBuild};
+use super::build::{self, Built, SectionBuild, TapeBuild};
 use super::builder::Freed;
+use super::formulas::Formulas;
 use super::problem::Problem;
 use super::{FileError, Formula, SystemFile};
 use crate::expression::{Graph, HeldNumbers, Id, Place, Tape};
@@ -29,7 +30,7 @@ pub(super) struct Template {
     free: Freed,
     /// Values of the parameters of the build.
     values: Arc<[f64]>,
-    fields: ByCombination<Option<FieldBuild>>,
+    fields: ByCombination<Option<TapeBuild>>,
     /// The combinations whose fields are checked before a run.
     checked: Vec<Combination>,
     has_static: bool,
@@ -79,8 +80,8 @@ impl Template {
         let checked = combinations(contacts, has_static);
         let mut depends_on_time = false;
         for &of in &checked {
-            let field = build::field(file, values, free, of)?;
-            depends_on_time |= field.is_timed;
+            let (field, is_timed) = build::field(file, values, free, of)?;
+            depends_on_time |= is_timed;
             fields.get_or_make(of, || Some(field.clone()));
         }
         let (mut heights, is_timed) = build::heights(file, inputs, &mut graph)?;
@@ -102,7 +103,7 @@ impl Template {
         let sections = file.sections.iter();
         let sections = sections.map(|section| {
             let tape = alone(&section.function, build::SECTION)?;
-            Ok(SectionBuild { tape, held: None })
+            Ok(SectionBuild::OfSystem(tape))
         });
         let sections = sections.collect::<Result<_, _>>()?;
         let mut constant = |formula: &Option<Formula>, what| {
@@ -201,7 +202,7 @@ impl Template {
             let (reference, values): (Arc<[f64]>, Arc<[f64]>) =
                 (Arc::clone(&self.values), values.into());
             move |of: Combination| {
-                let build = |values: &[f64]| build::field(&file, values, free, of).ok();
+                let build = |values: &[f64]| Some(build::field(&file, values, free, of).ok()?.0);
                 let field = known.get_or_make(of, || build(&reference))?.as_ref();
                 let bound = field.and_then(|field| field.bound(&values));
                 bound.or_else(|| Some(build(&values)?.tape))
@@ -243,6 +244,29 @@ fn combinations(contacts: usize, has_static: bool) -> Vec<Combination> {
     sides.flat_map(with).collect()
 }
 
+/// The builds of a file, of which there is one since it was checked.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Checked(Option<Arc<Family>>);
+
+/// Files are compared by their content.
+impl PartialEq for Checked {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Checked {
+    /// The builds of a file whose check made this one.
+    pub(super) fn of(template: Template) -> Self {
+        Checked(Some(Arc::new(Family::of(template, 1))))
+    }
+
+    /// The builds of a file, unless its content is another now.
+    pub(super) fn family(&self, file: &SystemFile) -> Option<Arc<Family>> {
+        self.0.clone().filter(|family| *family.file == *file)
+    }
+}
+
 /// The builds of one file.
 #[derive(Debug)]
 pub(super) struct Family {
@@ -250,6 +274,8 @@ pub(super) struct Family {
     /// The last one first.
     templates: RwLock<Vec<Arc<Template>>>,
     builds: AtomicUsize,
+    /// Formulas beside the system.
+    pub(super) formulas: Formulas,
 }
 
 impl Family {
@@ -259,21 +285,23 @@ impl Family {
             file,
             templates: RwLock::default(),
             builds: AtomicUsize::new(0),
+            formulas: Formulas::default(),
         }
     }
 
-    /// The builds of a file that has one build already.
-    pub(super) fn of(template: Template) -> Self {
+    /// The builds of a file that has one build already, which counts or does not.
+    pub(super) fn of(template: Template, builds: usize) -> Self {
         Family {
             file: Arc::clone(&template.file),
             templates: RwLock::new(vec![Arc::new(template)]),
-            builds: AtomicUsize::new(0),
+            builds: AtomicUsize::new(builds),
+            formulas: Formulas::default(),
         }
     }
 
-    /// Number of builds so far.
+    /// Number of builds so far, with those of formulas beside the system.
     pub(super) fn builds(&self) -> usize {
-        self.builds.load(Ordering::Relaxed)
+        self.builds.load(Ordering::Relaxed) + self.formulas.builds()
     }
 
     /// The file.

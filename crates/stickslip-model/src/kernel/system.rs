@@ -69,7 +69,7 @@ impl<const N: usize> Filippov<N> for OneContact {
 }
 
 /// The contacts that are above and those that hold, as bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Combination {
     /// Bit `i` is set where contact `i` is [`Side::Above`].
     pub above: usize,

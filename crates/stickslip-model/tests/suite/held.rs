@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use numerics::SplitMix;
-use stickslip::Error;
-use stickslip::dynamics::Interrupt;
+use stickslip::dynamics::{Interrupt, Modes, Moment, OrbitProgress, Vector};
+use stickslip::{Error, Mode, Side};
 use stickslip_model::file::{SettingError, System, SystemFile};
 use stickslip_model::kernel::{Combination, sides_to_check};
 use stickslip_model::study::ensemble::by_system;
-use stickslip_model::study::{AtValue, Diagram, Locates};
+use stickslip_model::study::{AtValue, Diagram, FrictionWatch, Locates};
 
 use crate::recorded::open;
 use crate::run::{branch, options, parsed, system};
@@ -167,8 +167,12 @@ fn values_give_what_a_build_with_them_gives() {
         for _ in 0..150 {
             let settings = settings(file, random);
             let pairs: Vec<(&str, f64)> = settings.iter().map(|(k, v)| (&**k, *v)).collect();
-            match (base.with_values(&pairs), file.with(&settings)) {
+            // A file that is not the same shares no build.
+            let mut fresh = file.clone();
+            fresh.description = Some("another file".to_owned());
+            match (base.with_values(&pairs), fresh.with(&settings)) {
                 (Ok(bound), Ok(built)) => {
+                    assert_eq!(built.builds(), 1);
                     assert_same(&bound, &built);
                     good += 1;
                 }
@@ -256,6 +260,9 @@ fn maps_ensembles_branches_and_flags_build_nothing() {
     let flag = Arc::new(Interrupt::default());
     pair(3.3, 4.4).unwrap().interrupted_by(flag).unwrap();
     assert_eq!((system.builds(), flagged.builds()), (1, 1));
+    // The check of a file is its build.
+    let set = [("vp".to_owned(), 0.4)];
+    assert_eq!(system.file.with(&set).unwrap().builds(), 1);
     // A branch has the parameter as a state, which is another build.
     let found = branch(&system, ("vp", 0.9, 1.1), &options("taylor"));
     assert!(found.points.len() > 5, "{}", found.points.len());
@@ -309,4 +316,39 @@ u = "-u - friction(belt)"
         error.contains("depends on the side of a contact"),
         "{error}"
     );
+}
+
+/// Friction laws, reactions and formulas beside a system are built once for all of its values.
+#[test]
+fn what_is_observed_is_built_once() {
+    let system = system(CORNER);
+    let observed = [("power", "m*wall.force*v"), ("height", "y/m")];
+    let modes = Modes::new(&[Mode::Slip(Side::Below), Mode::Slip(Side::Above)]);
+    let mut builds = Vec::new();
+    for k in 0..10 {
+        let m = 1.1 + 0.1 * f64::from(k);
+        let here = system.with_values(&[("m", m)]).unwrap();
+        let (x, closed) = ([0.5, 0.0, 0.0, 0.0], [1.0, 1.0]);
+        let x = [&x[..], &closed[..]].concat();
+        let values = here.quantities(&observed).unwrap().at(&modes, 0.0, &x);
+        // The wall carries the drive, and the floor the weight, of a mass each.
+        let wanted = [0.5, m];
+        assert!((values[0] - wanted[0]).abs() < 1e-12, "{values:?}");
+        assert!((values[1] - wanted[1]).abs() < 1e-12, "{values:?}");
+        assert_eq!(values[3], 0.0);
+        let formula = here.observed("x*F", &[0]).unwrap();
+        assert_eq!(formula.value(0.0, &[&x[..], &[3.0]].concat()), 1.5);
+        let mut watch = FrictionWatch::new(&here);
+        let x = Vector::from_column_slice(&[0.0, 1.0, 0.2, 0.1, 0.0, 0.0]);
+        let from = &Moment { t: 0.0, x };
+        let mut orbit = here
+            .dynamics()
+            .begin(from, 0.5, &options("dop853"), &[])
+            .unwrap();
+        while !matches!(orbit.step().unwrap(), OrbitProgress::End(_)) {
+            watch.step(&mut *orbit);
+        }
+        builds.push(system.builds());
+    }
+    assert!(builds[0] > 5 && builds[1..] == builds[..9], "{builds:?}");
 }
