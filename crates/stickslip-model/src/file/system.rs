@@ -220,8 +220,8 @@ impl System {
 
     /// How often formulas were built for this system and those that differ from it in values of
     /// parameters, in free parameters or in the interrupt: as a rule once for each set of free
-    /// parameters, and for each formula that is observed besides. Formulas are built again where a value changes what is left out of them, such as
-    /// a factor that is exactly 0 or 1.
+    /// parameters, and for each formula that is observed besides. Formulas are built again where a
+    /// value changes what is left out of them, such as a factor that is exactly 0 or 1.
     pub fn builds(&self) -> usize {
         self.family.builds()
     }
