@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::functions::Function;
 use super::graph::{Graph, Id, Node, NotANumber};
+use super::held::Test;
 use super::tree::Binary;
 
 /// An input of a graph.
@@ -34,7 +35,7 @@ impl Graph {
         for (i, _) in is_used.iter().enumerate().filter(|(_, is_used)| **is_used) {
             let of = |id: Id| derivatives[id.index()];
             let found = match self.node(Id::of(i)) {
-                Node::Constant(_) => None,
+                Node::Constant(_) | Node::Parameter(_) | Node::Held(..) => None,
                 Node::Input(0) => direction(GraphInput::Time),
                 Node::Input(k) => direction(GraphInput::State(usize::from(k) - 1)),
                 Node::Negative(a) => of(a).map(|da| self.negative(da)).transpose()?,
@@ -50,11 +51,7 @@ impl Graph {
                     let quotient = above.map(|above| self.binary(Binary::Quotient, above, b));
                     quotient.transpose()?
                 }
-                Node::IntegerPower(a, n) => {
-                    let n = f64::from(n);
-                    self.power_rule(a, n, of(a))?
-                }
-                Node::RealPower(a, bits) => self.power_rule(a, f64::from_bits(bits), of(a))?,
+                Node::IntegerPower(a, p) | Node::RealPower(a, p) => self.power_rule(a, p, of(a))?,
                 Node::Call(function, a) => match of(a) {
                     None => None,
                     da => {
@@ -134,21 +131,22 @@ impl Graph {
     fn times(&mut self, a: Option<Id>, factor: Id) -> Result<Option<Id>, NotANumber> {
         let product = a.map(|a| self.binary(Binary::Product, a, factor));
         let product = product.transpose()?;
-        Ok(product.filter(|product| self.value(*product) != Some(0.0)))
+        Ok(product.filter(|product| !self.is(*product, Test::Zero)))
     }
 
     fn power_rule(
         &mut self,
         base: Id,
-        exponent: f64,
+        exponent: Id,
         moved: Option<Id>,
     ) -> Result<Option<Id>, NotANumber> {
         if moved.is_none() {
             return Ok(None);
         }
-        let (factor, lower) = (self.constant(exponent)?, self.constant(exponent - 1.0)?);
+        let one = self.constant(1.0)?;
+        let lower = self.binary(Binary::Difference, exponent, one)?;
         let power = self.binary(Binary::Power, base, lower)?;
-        let slope = self.binary(Binary::Product, factor, power)?;
+        let slope = self.binary(Binary::Product, exponent, power)?;
         self.times(moved, slope)
     }
 

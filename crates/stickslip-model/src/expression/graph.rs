@@ -1,4 +1,5 @@
-//! Expressions with resolved names. Common subexpressions are shared and constants are folded.
+//! Expressions with resolved names. Common subexpressions are shared, and what depends on neither
+//! time nor states is computed at once.
 
 use std::sync::Arc;
 
@@ -6,8 +7,10 @@ use rustc_hash::FxHashMap;
 
 use super::curve::PiecewisePolynomial;
 use super::functions::Function;
+use super::held::{
+    Decision, HeldNumbers, HeldOperation, Holding, Place, Probe, Rule, Test, normal,
+};
 use super::tree::Binary;
-use stickslip::math;
 
 /// A number in a [`Graph`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -34,6 +37,10 @@ pub struct NotANumber {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Node {
     Constant(u64),
+    /// The parameter with this number, which has a value.
+    Parameter(u32),
+    /// An operation of numbers that are literals, parameters, or such operations.
+    Held(HeldOperation, Id, Id),
     /// Time is input 0, and the states follow.
     Input(u8),
     Negative(Id),
@@ -41,8 +48,10 @@ pub(super) enum Node {
     Difference(Id, Id),
     Product(Id, Id),
     Quotient(Id, Id),
-    IntegerPower(Id, i32),
-    RealPower(Id, u64),
+    /// A power whose exponent is held and an integer.
+    IntegerPower(Id, Id),
+    /// A power whose exponent is held and no integer.
+    RealPower(Id, Id),
     Call(Function, Id),
     /// The curve with this number.
     Curve(u32, Id),
@@ -57,10 +66,12 @@ pub(super) enum Node {
 }
 
 impl Node {
-    /// The operands.
+    /// The operands, without those that are held.
     pub(super) fn operands(self) -> [Option<Id>; 2] {
         match self {
-            Node::Constant(_) | Node::Input(_) => [None, None],
+            Node::Constant(_) | Node::Parameter(_) | Node::Held(..) | Node::Input(_) => {
+                [None, None]
+            }
             Node::Negative(a)
             | Node::IntegerPower(a, _)
             | Node::RealPower(a, _)
@@ -94,7 +105,9 @@ impl Node {
 pub struct Graph {
     nodes: Vec<Node>,
     ids: FxHashMap<Node, Id>,
-    curves: Vec<Arc<PiecewisePolynomial>>,
+    /// Place of each number that is held.
+    places: Vec<Option<Place>>,
+    pub(super) held: Holding,
 }
 
 type NodeResult = Result<Id, NotANumber>;
@@ -115,13 +128,38 @@ impl Graph {
     }
 
     fn add(&mut self, node: Node) -> Id {
-        if let Some(id) = self.find(node) {
-            return id;
-        }
+        self.find(node).unwrap_or_else(|| self.push(node, None))
+    }
+
+    fn push(&mut self, node: Node, place: Option<Place>) -> Id {
         let id = Id::of(self.nodes.len());
         self.nodes.push(node);
+        self.places.push(place);
         self.ids.insert(node, id);
         id
+    }
+
+    /// Adds a held number with this value.
+    fn add_held(&mut self, node: Node, rule: Rule, value: f64) -> NodeResult {
+        let value = normal(value).ok_or(NotANumber { value })?;
+        if let Some(id) = self.find(node) {
+            return Ok(id);
+        }
+        let place = self.held.add(rule, value);
+        Ok(self.push(node, Some(place)))
+    }
+
+    /// An operation of held numbers: a literal if both are literals. `None` if one is not held.
+    fn operated(&mut self, operation: HeldOperation, a: Id, b: Id) -> Option<NodeResult> {
+        let (at, with) = (self.place(a)?, self.place(b)?);
+        let (of_a, of_b) = (self.held.value(at), self.held.value(with));
+        let value = operation.of(of_a, of_b, &self.held.numbers.curves);
+        let is_literal = |id: Id| matches!(self.node(id), Node::Constant(_));
+        if is_literal(a) && is_literal(b) {
+            return Some(self.constant(value));
+        }
+        let rule = Rule::Operation(operation, at, with);
+        Some(self.add_held(Node::Held(operation, a, b), rule, value))
     }
 
     /// Time.
@@ -134,24 +172,63 @@ impl Graph {
         self.add(Node::Input(number as u8 + 1))
     }
 
-    /// A constant.
+    /// A literal constant.
     ///
     /// # Errors
     /// [`NotANumber`] unless it is finite.
     pub fn constant(&mut self, value: f64) -> NodeResult {
-        if !value.is_finite() {
-            return Err(NotANumber { value });
-        }
-        // Both zeros are stored as +0.
-        Ok(self.add(Node::Constant((value + 0.0).to_bits())))
+        let stored = normal(value).ok_or(NotANumber { value })?;
+        let node = Node::Constant(stored.to_bits());
+        self.add_held(node, Rule::Literal(stored), stored)
     }
 
-    /// The value of a constant.
+    /// The parameter with this number, which has this value now.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn parameter(&mut self, number: usize, value: f64) -> NodeResult {
+        let node = Node::Parameter(number as u32);
+        self.add_held(node, Rule::Parameter(number), value)
+    }
+
+    /// The value of a number that depends on neither time nor states. What is built by it is asked
+    /// for with [`Graph::is`], so that it counts as a decision.
     pub fn value(&self, id: Id) -> Option<f64> {
-        match self.node(id) {
-            Node::Constant(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
+        self.place(id).map(|place| self.held.value(place))
+    }
+
+    /// Whether a number depends on neither time nor states.
+    pub fn is_held(&self, id: Id) -> bool {
+        self.place(id).is_some()
+    }
+
+    /// Place of a number among those that are held.
+    pub fn place(&self, id: Id) -> Option<Place> {
+        self.places[id.index()]
+    }
+
+    /// Whether a number is held and this is so of its value.
+    pub fn is(&mut self, id: Id, test: Test) -> bool {
+        let place = self.place(id);
+        place.is_some_and(|place| self.held.ask(test, place))
+    }
+
+    /// What a function of the held numbers gives, as a decision. It is given those of all numbers
+    /// so far, by place.
+    pub fn probed(&mut self, probe: Arc<Probe>) -> usize {
+        let found = probe(&self.held_values());
+        self.held.record(Decision::Probed(probe, found));
+        found
+    }
+
+    /// Values of the held numbers so far, by place.
+    pub(super) fn held_values(&self) -> Arc<[f64]> {
+        self.held.values.as_slice().into()
+    }
+
+    /// The held numbers, as functions of the parameters, and the decisions by them.
+    pub fn into_held_numbers(self) -> HeldNumbers {
+        self.held.numbers
     }
 
     /// The negative of a number.
@@ -159,8 +236,10 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn negative(&mut self, a: Id) -> NodeResult {
+        if let Some(held) = self.operated(HeldOperation::Negative, a, a) {
+            return held;
+        }
         match self.node(a) {
-            Node::Constant(bits) => self.constant(-f64::from_bits(bits)),
             Node::Negative(inner) => Ok(inner),
             _ => Ok(self.add(Node::Negative(a))),
         }
@@ -181,84 +260,104 @@ impl Graph {
     }
 
     fn sum(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a + b),
-            (Some(0.0), None) => Ok(b),
-            (None, Some(0.0)) => Ok(a),
-            _ => Ok(self.commutative(Node::Sum(a, b), Node::Sum(b, a))),
+        if let Some(held) = self.operated(HeldOperation::Sum, a, b) {
+            return held;
         }
+        if self.is(a, Test::Zero) {
+            return Ok(b);
+        }
+        if self.is(b, Test::Zero) {
+            return Ok(a);
+        }
+        Ok(self.commutative(Node::Sum(a, b), Node::Sum(b, a)))
     }
 
     fn difference(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a - b),
-            (Some(0.0), None) => self.negative(b),
-            (None, Some(0.0)) => Ok(a),
-            _ if a == b => self.constant(0.0),
-            _ => Ok(self.add(Node::Difference(a, b))),
+        if let Some(held) = self.operated(HeldOperation::Difference, a, b) {
+            return held;
         }
+        if self.is(a, Test::Zero) {
+            return self.negative(b);
+        }
+        if self.is(b, Test::Zero) {
+            return Ok(a);
+        }
+        if a == b {
+            return self.constant(0.0);
+        }
+        Ok(self.add(Node::Difference(a, b)))
     }
 
     fn product(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a * b),
-            (Some(factor), None) => self.scaled(b, factor),
-            (None, Some(factor)) => self.scaled(a, factor),
+        if let Some(held) = self.operated(HeldOperation::Product, a, b) {
+            return held;
+        }
+        match (self.is_held(a), self.is_held(b)) {
+            (true, _) => self.scaled(b, a),
+            (_, true) => self.scaled(a, b),
             _ => Ok(self.commutative(Node::Product(a, b), Node::Product(b, a))),
         }
     }
 
-    fn scaled(&mut self, a: Id, factor: f64) -> NodeResult {
-        if factor == 1.0 {
+    /// A number times a held factor.
+    fn scaled(&mut self, a: Id, factor: Id) -> NodeResult {
+        if self.is(factor, Test::One) {
             return Ok(a);
         }
-        if factor == -1.0 {
+        if self.is(factor, Test::MinusOne) {
             return self.negative(a);
         }
-        let factor = self.constant(factor)?;
-        if self.value(factor) == Some(0.0) {
-            return Ok(factor);
+        if self.is(factor, Test::Zero) {
+            return self.constant(0.0);
         }
         Ok(self.add(Node::Product(a, factor)))
     }
 
     fn quotient(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a / b),
-            (None, Some(0.0)) => Err(NotANumber {
-                value: f64::INFINITY,
-            }),
-            (None, Some(1.0)) => Ok(a),
-            (None, Some(-1.0)) => self.negative(a),
-            (Some(0.0), None) => Ok(a),
-            _ => Ok(self.add(Node::Quotient(a, b))),
+        if let Some(held) = self.operated(HeldOperation::Quotient, a, b) {
+            return held;
         }
+        if self.is(b, Test::Zero) {
+            let value = f64::INFINITY;
+            return Err(NotANumber { value });
+        }
+        if self.is(b, Test::One) {
+            return Ok(a);
+        }
+        if self.is(b, Test::MinusOne) {
+            return self.negative(a);
+        }
+        if self.is(a, Test::Zero) {
+            return self.constant(0.0);
+        }
+        Ok(self.add(Node::Quotient(a, b)))
     }
 
     fn power(&mut self, a: Id, b: Id) -> NodeResult {
-        let Some(exponent) = self.value(b) else {
+        if !self.is_held(b) {
             // For a positive base only: with another base, a power with a varying exponent is not
             // real.
             let logarithm = self.call(Function::Ln, a)?;
             let product = self.product(logarithm, b)?;
             return self.call(Function::Exp, product);
-        };
-        let whole = exponent as i32;
-        let is_whole = f64::from(whole) == exponent;
-        if let Some(base) = self.value(a) {
-            return self.constant(if is_whole {
-                math::powi(base, whole)
-            } else {
-                math::pow(base, exponent)
-            });
         }
-        match exponent {
-            0.0 => self.constant(1.0),
-            1.0 => Ok(a),
-            0.5 => self.call(Function::Sqrt, a),
-            _ if is_whole => Ok(self.add(Node::IntegerPower(a, whole))),
-            _ => Ok(self.add(Node::RealPower(a, exponent.to_bits()))),
+        if let Some(held) = self.operated(HeldOperation::Power, a, b) {
+            return held;
         }
+        if self.is(b, Test::Zero) {
+            return self.constant(1.0);
+        }
+        if self.is(b, Test::One) {
+            return Ok(a);
+        }
+        if self.is(b, Test::Half) {
+            return self.call(Function::Sqrt, a);
+        }
+        let is_whole = self.is(b, Test::Whole);
+        Ok(self.add(match is_whole {
+            true => Node::IntegerPower(a, b),
+            false => Node::RealPower(a, b),
+        }))
     }
 
     /// A function of one argument.
@@ -266,10 +365,8 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn call(&mut self, function: Function, a: Id) -> NodeResult {
-        match self.value(a) {
-            Some(a) => self.constant(function.of(a)),
-            None => Ok(self.add(Node::Call(function, a))),
-        }
+        let held = self.operated(HeldOperation::Call(function), a, a);
+        held.unwrap_or_else(|| Ok(self.add(Node::Call(function, a))))
     }
 
     /// A curve at a number.
@@ -277,21 +374,20 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn curve(&mut self, curve: &Arc<PiecewisePolynomial>, a: Id) -> NodeResult {
-        if let Some(a) = self.value(a) {
-            return self.constant(curve.of(a));
-        }
-        let mut known = self.curves.iter();
+        let curves = &mut self.held.numbers.curves;
+        let mut known = curves.iter();
         let known = known.position(|known| Arc::ptr_eq(known, curve) || known == curve);
         let number = known.unwrap_or_else(|| {
-            self.curves.push(Arc::clone(curve));
-            self.curves.len() - 1
-        });
-        Ok(self.add(Node::Curve(number as u32, a)))
+            curves.push(Arc::clone(curve));
+            curves.len() - 1
+        }) as u32;
+        let held = self.operated(HeldOperation::Curve(number), a, a);
+        held.unwrap_or_else(|| Ok(self.add(Node::Curve(number, a))))
     }
 
     /// The curves that numbers of the graph are computed by.
     pub(super) fn curves(&self) -> &[Arc<PiecewisePolynomial>] {
-        &self.curves
+        &self.held.numbers.curves
     }
 
     /// The angle of the point `(x, y)`.
@@ -299,10 +395,8 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn angle(&mut self, y: Id, x: Id) -> NodeResult {
-        match (self.value(y), self.value(x)) {
-            (Some(y), Some(x)) => self.constant(math::atan2(y, x)),
-            _ => Ok(self.add(Node::Angle(y, x))),
-        }
+        let held = self.operated(HeldOperation::Angle, y, x);
+        held.unwrap_or_else(|| Ok(self.add(Node::Angle(y, x))))
     }
 
     /// The larger of two.
@@ -310,10 +404,8 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn larger(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a.max(b)),
-            _ => Ok(self.add(Node::Larger(a, b))),
-        }
+        let held = self.operated(HeldOperation::Larger, a, b);
+        held.unwrap_or_else(|| Ok(self.add(Node::Larger(a, b))))
     }
 
     /// The smaller of two.
@@ -321,10 +413,8 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn smaller(&mut self, a: Id, b: Id) -> NodeResult {
-        match (self.value(a), self.value(b)) {
-            (Some(a), Some(b)) => self.constant(a.min(b)),
-            _ => Ok(self.add(Node::Smaller(a, b))),
-        }
+        let held = self.operated(HeldOperation::Smaller, a, b);
+        held.unwrap_or_else(|| Ok(self.add(Node::Smaller(a, b))))
     }
 
     /// The number `a` where `condition` is positive, else zero.
@@ -332,10 +422,13 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn where_positive(&mut self, condition: Id, a: Id) -> NodeResult {
-        match self.value(condition) {
-            Some(value) if value > 0.0 => Ok(a),
-            Some(_) => self.constant(0.0),
-            None => Ok(self.add(Node::WherePositive(condition, a))),
+        if let Some(held) = self.operated(HeldOperation::WherePositive, condition, a) {
+            return held;
+        }
+        match (self.is_held(condition), self.is(condition, Test::Positive)) {
+            (true, true) => Ok(a),
+            (true, false) => self.constant(0.0),
+            (false, _) => Ok(self.add(Node::WherePositive(condition, a))),
         }
     }
 
@@ -357,10 +450,13 @@ impl Graph {
     /// # Errors
     /// See [`Graph::constant`].
     pub fn where_not_positive(&mut self, condition: Id, a: Id) -> NodeResult {
-        match self.value(condition) {
-            Some(value) if value > 0.0 => self.constant(0.0),
-            Some(_) => Ok(a),
-            None => Ok(self.add(Node::WhereNotPositive(condition, a))),
+        if let Some(held) = self.operated(HeldOperation::WhereNotPositive, condition, a) {
+            return held;
+        }
+        match (self.is_held(condition), self.is(condition, Test::Positive)) {
+            (true, true) => self.constant(0.0),
+            (true, false) => Ok(a),
+            (false, _) => Ok(self.add(Node::WhereNotPositive(condition, a))),
         }
     }
 
@@ -418,16 +514,15 @@ impl Graph {
 
     /// Whether numbers are affine functions of states and time.
     pub(super) fn are_affine(&self, roots: &[Id]) -> bool {
-        let is_constant = |id: Id| matches!(self.node(id), Node::Constant(_));
         let mut is_affine = vec![false; self.nodes.len()];
         for (i, node) in self.nodes.iter().enumerate() {
             let of = |id: Id| is_affine[id.index()];
             is_affine[i] = match *node {
-                Node::Constant(_) | Node::Input(_) => true,
+                Node::Constant(_) | Node::Parameter(_) | Node::Held(..) | Node::Input(_) => true,
                 Node::Negative(a) => of(a),
                 Node::Sum(a, b) | Node::Difference(a, b) => of(a) && of(b),
-                Node::Product(a, b) => is_constant(a) && of(b) || is_constant(b) && of(a),
-                Node::Quotient(a, b) => is_constant(b) && of(a),
+                Node::Product(a, b) => self.is_held(a) && of(b) || self.is_held(b) && of(a),
+                Node::Quotient(a, b) => self.is_held(b) && of(a),
                 _ => false,
             };
         }

@@ -9,14 +9,17 @@
 //!
 //! # Stages
 //! [`parse()`] builds a tree from the text, and every node knows its position there. A [`Graph`]
-//! takes trees with all names resolved, shares common subexpressions and folds constants. A
-//! [`Tape`] is the graph in order of evaluation, with few registers.
+//! takes trees with all names resolved, and shares common subexpressions. It holds what depends on
+//! parameters alone as [`HeldNumbers`], which are computed anew for other values. A [`Tape`] is the
+//! graph in order of evaluation, with few registers.
 
 mod curve;
 mod derivative;
 mod functions;
 mod graph;
+mod held;
 mod parse;
+mod same;
 mod tape;
 mod token;
 mod tree;
@@ -25,6 +28,7 @@ pub use curve::{Between, Beyond, NoCurve, PiecewisePolynomial};
 pub use derivative::GraphInput;
 pub use functions::{FUNCTIONS, Function};
 pub use graph::{Graph, Id, NotANumber};
+pub use held::{HeldNumbers, Place, Probe, Test};
 pub use parse::{CHOICE, parse, parse_condition};
 pub use tape::{MOST_REGISTERS, Tape, TooLarge};
 pub use token::{begins_name, is_in_name, normal};

@@ -7,6 +7,7 @@ use stickslip::Scalar;
 use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::graph::{Graph, Id, Node};
+use super::held::Place;
 
 /// Most numbers that a tape can hold at once, including time and states. It is chosen: register
 /// numbers fit into 16 bits up to 64 times as many.
@@ -25,9 +26,18 @@ const SOME_REGISTERS: usize = 64;
 )]
 pub struct TooLarge;
 
-/// Several expressions of time and state, evaluated together.
-#[derive(Clone, Debug, PartialEq)]
+/// Several expressions of time, states and held numbers, evaluated together, with values of the
+/// held numbers.
+#[derive(Clone, Debug)]
 pub struct Tape {
+    operations: Arc<Operations>,
+    /// Values of the held numbers of the graph, by place.
+    held: Arc<[f64]>,
+}
+
+/// What a tape does, for any values of the held numbers.
+#[derive(Debug)]
+struct Operations {
     steps: Vec<TapeStep>,
     registers: usize,
     outputs: Vec<Output>,
@@ -43,7 +53,37 @@ struct TapeStep {
     a: u16,
     b: u16,
     to: u16,
-    constant: f64,
+    /// Place of the constant among the held numbers, or number of the curve.
+    constant: u32,
+}
+
+/// Tapes are equal that do the same with the same constants, whatever else their graphs hold.
+impl PartialEq for Tape {
+    fn eq(&self, other: &Self) -> bool {
+        let (one, two) = (&*self.operations, &*other.operations);
+        let constants = |place: u32, beside: u32| {
+            let [place, beside] = [place, beside].map(|place| place as usize);
+            self.held.get(place) == other.held.get(beside)
+        };
+        let mut steps = one.steps.iter().zip(&two.steps);
+        let mut outputs = one.outputs.iter().zip(&two.outputs);
+        let sizes = |of: &Operations| (of.steps.len(), of.registers, of.outputs.len());
+        sizes(one) == sizes(two)
+            && one.is_affine == two.is_affine
+            && one.curves == two.curves
+            && steps.all(|(a, b)| {
+                let registers = |step: &TapeStep| (step.operation, step.a, step.b, step.to);
+                registers(a) == registers(b)
+                    && match a.operation.has_constant() {
+                        true => constants(a.constant, b.constant),
+                        false => a.constant == b.constant,
+                    }
+            })
+            && outputs.all(|pair| match pair {
+                (Output::Constant(a), Output::Constant(b)) => constants(*a, *b),
+                (a, b) => a == b,
+            })
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +102,6 @@ enum Operation {
     Constant,
     /// Sine into `to`, cosine into `b`.
     SineCosine,
-    /// The curve whose number is the constant.
     Curve,
     Called(CalledOperation),
 }
@@ -71,7 +110,7 @@ enum Operation {
 /// would be compiled for each number of registers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CalledOperation {
-    /// The exponent is the constant.
+    /// The exponent is the constant, here and for real powers.
     IntegerPower,
     RealPower,
     Call(Function),
@@ -85,7 +124,7 @@ enum CalledOperation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Output {
     Register(u16),
-    Constant(f64),
+    Constant(u32),
 }
 
 impl Tape {
@@ -94,31 +133,48 @@ impl Tape {
     /// # Errors
     /// [`TooLarge`].
     pub fn new(graph: &Graph, roots: &[Id], states: usize) -> Result<Tape, TooLarge> {
-        Layout::new(graph, roots, states).tape(roots)
+        let operations = Arc::new(Layout::new(graph, roots, states).operations(roots)?);
+        let held = graph.held_values();
+        Ok(Tape { operations, held })
+    }
+
+    /// The tape with other values of the held numbers of its graph, by place.
+    #[must_use]
+    pub fn with_held(&self, held: &Arc<[f64]>) -> Tape {
+        Tape {
+            operations: Arc::clone(&self.operations),
+            held: Arc::clone(held),
+        }
+    }
+
+    /// Whether all numbers are held.
+    pub fn is_constant(&self) -> bool {
+        let mut outputs = self.operations.outputs.iter();
+        outputs.all(|output| matches!(output, Output::Constant(_)))
     }
 
     /// Whether all numbers are affine functions of states and time.
     pub fn is_affine(&self) -> bool {
-        self.is_affine
+        self.operations.is_affine
     }
 
     /// Number of operations.
     pub fn operations(&self) -> usize {
-        self.steps.len()
+        self.operations.steps.len()
     }
 
     /// Most numbers held at once, including time and states.
     pub fn registers(&self) -> usize {
-        self.registers
+        self.operations.registers
     }
 
     /// Computes the numbers at time `t` and state `x` and writes them to the front of `out`. Those
     /// that do not fit are omitted.
     #[inline(always)]
     pub fn evaluate<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
-        if self.registers <= FEW_REGISTERS {
+        if self.registers() <= FEW_REGISTERS {
             self.run_within::<T, FEW_REGISTERS>(t, x, out);
-        } else if self.registers <= SOME_REGISTERS {
+        } else if self.registers() <= SOME_REGISTERS {
             self.run_within::<T, SOME_REGISTERS>(t, x, out);
         } else {
             self.run_many(t, x, out);
@@ -134,7 +190,7 @@ impl Tape {
     #[inline(never)]
     fn run_many<T: Scalar>(&self, t: T, x: &[T], out: &mut [T]) {
         self.run(
-            &mut vec![T::zero(); self.registers],
+            &mut vec![T::zero(); self.registers()],
             usize::MAX,
             (t, x),
             out,
@@ -149,12 +205,14 @@ impl Tape {
         for (register, &component) in registers[1..].iter_mut().zip(x) {
             *register = component;
         }
-        for step in &self.steps {
+        let (operations, held) = (&*self.operations, &*self.held);
+        for step in &operations.steps {
             // Not `map` over an array of three: without optimization that would be a call for every
             // operation.
             let (a, b) = (usize::from(step.a) & mask, usize::from(step.b) & mask);
             let to = usize::from(step.to) & mask;
-            let constant = step.constant;
+            // Only operations with a constant read it.
+            let constant = || held[step.constant as usize];
             let r = &mut *registers;
             // Each arm stores its own result. A common store would assemble and copy the value,
             // which takes longer than most operations.
@@ -163,37 +221,71 @@ impl Tape {
                 Operation::Subtract => r[to] = r[a] - r[b],
                 Operation::Multiply => r[to] = r[a] * r[b],
                 Operation::Divide => r[to] = r[a] / r[b],
-                Operation::AddConstant => r[to] = r[a] + constant,
-                Operation::SubtractConstant => r[to] = r[a] - constant,
-                Operation::SubtractFromConstant => r[to] = T::constant(constant) - r[a],
-                Operation::MultiplyConstant => r[to] = r[a] * constant,
-                Operation::DivideByConstant => r[to] = r[a] / constant,
-                Operation::DivideConstant => r[to] = T::constant(constant) / r[a],
+                Operation::AddConstant => r[to] = r[a] + constant(),
+                Operation::SubtractConstant => r[to] = r[a] - constant(),
+                Operation::SubtractFromConstant => r[to] = T::constant(constant()) - r[a],
+                Operation::MultiplyConstant => r[to] = r[a] * constant(),
+                Operation::DivideByConstant => r[to] = r[a] / constant(),
+                Operation::DivideConstant => r[to] = T::constant(constant()) / r[a],
                 Operation::Negate => r[to] = -r[a],
-                Operation::Constant => r[to] = T::constant(constant),
+                Operation::Constant => r[to] = T::constant(constant()),
                 Operation::SineCosine => (r[to], r[b]) = sine_cosine(r[a]),
-                Operation::Curve => r[to] = on_curve(self.curves.get(constant as usize), r[a]),
-                Operation::Called(other) => r[to] = other.of(r[a], r[b], constant),
+                Operation::Curve => {
+                    r[to] = on_curve(operations.curves.get(step.constant as usize), r[a]);
+                }
+                Operation::Called(other) => {
+                    r[to] = other.of(r[a], r[b], held.get(step.constant as usize));
+                }
             }
         }
-        for (out, output) in out.iter_mut().zip(&self.outputs) {
+        for (out, output) in out.iter_mut().zip(&operations.outputs) {
             *out = match *output {
                 Output::Register(k) => registers[usize::from(k) & mask],
-                // Number types that fold constants recognize these two without a look at the value.
-                Output::Constant(0.0) => T::zero(),
-                Output::Constant(1.0) => T::one(),
-                Output::Constant(value) => T::constant(value),
+                Output::Constant(place) => match held[place as usize] {
+                    // Number types that fold constants recognize these two without a look at the
+                    // value.
+                    0.0 => T::zero(),
+                    1.0 => T::one(),
+                    value => T::constant(value),
+                },
             };
+        }
+    }
+}
+
+impl Operation {
+    /// Whether its constant is a held number.
+    fn has_constant(self) -> bool {
+        match self {
+            Operation::Add
+            | Operation::Subtract
+            | Operation::Multiply
+            | Operation::Divide
+            | Operation::Negate
+            | Operation::SineCosine
+            | Operation::Curve => false,
+            Operation::AddConstant
+            | Operation::SubtractConstant
+            | Operation::SubtractFromConstant
+            | Operation::MultiplyConstant
+            | Operation::DivideByConstant
+            | Operation::DivideConstant
+            | Operation::Constant => true,
+            Operation::Called(called) => matches!(
+                called,
+                CalledOperation::IntegerPower | CalledOperation::RealPower
+            ),
         }
     }
 }
 
 impl CalledOperation {
     #[inline(never)]
-    fn of<T: Scalar>(self, a: T, b: T, constant: f64) -> T {
+    fn of<T: Scalar>(self, a: T, b: T, constant: Option<&f64>) -> T {
+        let exponent = || constant.copied().unwrap_or(f64::NAN);
         match self {
-            CalledOperation::IntegerPower => a.powi(constant as i32),
-            CalledOperation::RealPower => a.powf(constant),
+            CalledOperation::IntegerPower => a.powi(exponent() as i32),
+            CalledOperation::RealPower => a.powf(exponent()),
             CalledOperation::Call(function) => function.of(a),
             CalledOperation::Angle => a.atan2(b),
             CalledOperation::Larger => a.max(b),
@@ -252,17 +344,17 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn tape(mut self, roots: &[Id]) -> Result<Tape, TooLarge> {
+    fn operations(mut self, roots: &[Id]) -> Result<Operations, TooLarge> {
         for i in 0..self.is_used.len() {
             if self.is_used[i] && self.register[i].is_none() {
                 self.make(i)?;
             }
         }
-        let outputs = roots.iter().map(|&root| match self.graph.value(root) {
-            Some(value) => Output::Constant(value),
+        let outputs = roots.iter().map(|&root| match self.graph.place(root) {
+            Some(Place(place)) => Output::Constant(place),
             None => Output::Register(self.register[root.index()].unwrap_or(0)),
         });
-        Ok(Tape {
+        Ok(Operations {
             outputs: outputs.collect(),
             curves: self.graph.curves().to_vec(),
             is_affine: self.graph.are_affine(roots),
@@ -273,22 +365,28 @@ impl<'a> Layout<'a> {
 
     fn make(&mut self, i: usize) -> Result<(), TooLarge> {
         let node = self.graph.node(Id::of(i));
-        let value = |id: Id| self.graph.value(id);
+        let place = |id: Id| self.graph.place(id).map(|Place(place)| place);
+        let called =
+            |operation: CalledOperation, a: Id, b: Id| (Op::Called(operation), a, Some(b), 0);
+        let power = |operation: CalledOperation, a: Id, exponent: Id| {
+            let exponent = place(exponent).unwrap_or(u32::MAX);
+            (Op::Called(operation), a, None, exponent)
+        };
         use Operation as Op;
         // The operation of two numbers, and those with a constant on the left and on the right.
-        let joined = |a: Id, b: Id, [both, left, right]: [Op; 3]| match (value(a), value(b)) {
+        let joined = |a: Id, b: Id, [both, left, right]: [Op; 3]| match (place(a), place(b)) {
             (Some(c), _) => (left, b, None, c),
             (_, Some(c)) => (right, a, None, c),
-            _ => (both, a, Some(b), 0.0),
+            _ => (both, a, Some(b), 0),
         };
         let (operation, a, b, constant) = match node {
             // A constant is part of the operation that uses it, or else is loaded there.
-            Node::Constant(_) => return Ok(()),
+            Node::Constant(_) | Node::Parameter(_) | Node::Held(..) => return Ok(()),
             Node::Input(k) => {
                 self.register[i] = Some(u16::from(k));
                 return Ok(());
             }
-            Node::Negative(a) => (Op::Negate, a, None, 0.0),
+            Node::Negative(a) => (Op::Negate, a, None, 0),
             Node::Sum(a, b) => joined(a, b, [Op::Add, Op::AddConstant, Op::AddConstant]),
             Node::Difference(a, b) => {
                 let operations = [Op::Subtract, Op::SubtractFromConstant, Op::SubtractConstant];
@@ -302,30 +400,15 @@ impl<'a> Layout<'a> {
                 let operations = [Op::Divide, Op::DivideConstant, Op::DivideByConstant];
                 joined(a, b, operations)
             }
-            Node::IntegerPower(a, n) => (
-                Op::Called(CalledOperation::IntegerPower),
-                a,
-                None,
-                f64::from(n),
-            ),
-            Node::RealPower(a, bits) => (
-                Op::Called(CalledOperation::RealPower),
-                a,
-                None,
-                f64::from_bits(bits),
-            ),
+            Node::IntegerPower(a, n) => power(CalledOperation::IntegerPower, a, n),
+            Node::RealPower(a, p) => power(CalledOperation::RealPower, a, p),
             Node::Call(function, a) => return self.call(i, function, a),
-            Node::Curve(number, a) => (Op::Curve, a, None, f64::from(number)),
-            Node::Angle(a, b) => (Op::Called(CalledOperation::Angle), a, Some(b), 0.0),
-            Node::Larger(a, b) => (Op::Called(CalledOperation::Larger), a, Some(b), 0.0),
-            Node::Smaller(a, b) => (Op::Called(CalledOperation::Smaller), a, Some(b), 0.0),
-            Node::WherePositive(a, b) => {
-                (Op::Called(CalledOperation::WherePositive), a, Some(b), 0.0)
-            }
-            Node::WhereNotPositive(a, b) => {
-                let operation = Op::Called(CalledOperation::WhereNotPositive);
-                (operation, a, Some(b), 0.0)
-            }
+            Node::Curve(number, a) => (Op::Curve, a, None, number),
+            Node::Angle(a, b) => called(CalledOperation::Angle, a, b),
+            Node::Larger(a, b) => called(CalledOperation::Larger, a, b),
+            Node::Smaller(a, b) => called(CalledOperation::Smaller, a, b),
+            Node::WherePositive(a, b) => called(CalledOperation::WherePositive, a, b),
+            Node::WhereNotPositive(a, b) => called(CalledOperation::WhereNotPositive, a, b),
         };
         let from = self.operand(a)?;
         let with = b.map_or(Ok(0), |b| self.operand(b))?;
@@ -359,7 +442,7 @@ impl<'a> Layout<'a> {
                 a: from,
                 b: 0,
                 to,
-                constant: 0.0,
+                constant: 0,
             });
             return Ok(());
         };
@@ -375,7 +458,7 @@ impl<'a> Layout<'a> {
             a: from,
             b: cosine,
             to: sine,
-            constant: 0.0,
+            constant: 0,
         });
         self.release([Some(a), None], other);
         Ok(())
@@ -399,7 +482,7 @@ impl<'a> Layout<'a> {
             a: 0,
             b: 0,
             to,
-            constant: self.graph.value(operand).unwrap_or(f64::NAN),
+            constant: self.graph.place(operand).map_or(0, |Place(place)| place),
         });
         Ok(to)
     }

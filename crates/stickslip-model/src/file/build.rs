@@ -7,16 +7,16 @@ use stickslip::error::readable;
 use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
 use super::names::{Meaning, Names};
 use super::problem::Problem;
+use super::template::Template;
 use super::{Formula, InputShape, Rate, StopEvent, SystemFile};
 use crate::expression::{
-    Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
+    Binary, Expression, ExpressionKind, Graph, HeldNumbers, Id, NotANumber, Tape, Test, TooLarge,
 };
 use crate::kernel::{
     Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching, pulse,
-    sides_to_check,
 };
 
-/// The tapes of a system.
+/// The tapes of a system, for values of its parameters.
 #[derive(Clone, Debug)]
 pub struct Built {
     /// The fields.
@@ -55,8 +55,8 @@ pub(super) fn value(formula: &Formula) -> Result<f64, Problem> {
     folded(&file, &[], formula, NUMBERS)
 }
 
-/// Checks every expression of the file, used or not.
-pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
+/// Checks every expression of the file, used or not, and builds it.
+pub(super) fn check(file: &Arc<SystemFile>) -> Result<Template, Problem> {
     let mut graph = Graph::new();
     let values = values(file);
     let scope = Scope::Sides(Combination { above: 0, held: 0 });
@@ -123,7 +123,7 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<(), Problem> {
                 .help("a reaction is the normal force: leave `normal_force` out"));
         }
     }
-    built(file, &values, NONE_FREE).map(drop)
+    Template::new(file, &values, NONE_FREE)
 }
 
 /// Whether an expression, or a definition in it, has the reaction of a stop.
@@ -152,10 +152,10 @@ pub(crate) fn values(file: &SystemFile) -> Vec<f64> {
 }
 
 /// Name of a section's formula in messages.
-const SECTION: &str = "a section";
+pub(super) const SECTION: &str = "a section";
 
 /// The tape of a formula without sides, at a place of this name.
-fn alone(
+pub(super) fn alone(
     file: &Arc<SystemFile>,
     (graph, inputs): (&mut Graph, Inputs<'_>),
     formula: &Formula,
@@ -175,10 +175,11 @@ pub(super) fn formula(
     values: &[f64],
     free: Freed,
     formula: &Formula,
-) -> Result<Tape, Problem> {
+) -> Result<TapeBuild, Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
-    alone(file, (&mut graph, inputs), formula, "what is observed")
+    let tape = alone(file, (&mut graph, inputs), formula, "what is observed")?;
+    Ok(TapeBuild::new(graph, tape))
 }
 
 /// The tape of a section for these parameter values.
@@ -189,54 +190,63 @@ pub(super) fn section(
     file: &Arc<SystemFile>,
     values: &[f64],
     function: &Formula,
-) -> Result<Tape, Problem> {
+) -> Result<SectionBuild, Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, NONE_FREE, &mut graph)?;
-    alone(file, (&mut graph, inputs), function, SECTION)
+    let tape = alone(file, (&mut graph, inputs), function, SECTION)?;
+    Ok(SectionBuild::Alone(TapeBuild::new(graph, tape)))
 }
 
-/// Builds the tapes for these parameter values. The `free` parameters become states with zero
-/// rates, after those of the file. Time is scaled so that the period, if there is one, stays what
-/// it is for the given values.
-///
-/// # Errors
-/// [`Problem`] if a constant part of an expression is not a finite number, or an expression is too
-/// large.
-pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, Problem> {
-    let mut graph = Graph::new();
-    let period = period(file, values)?;
-    let inputs = inputs(file, values, free, &mut graph)?;
-    let contacts = file.contacts.len();
-    let mut depends_on_time = false;
+/// A tape, and the held numbers of its graph.
+#[derive(Clone, Debug)]
+pub(super) struct TapeBuild {
+    pub tape: Tape,
+    held: Arc<HeldNumbers>,
+}
 
-    let has_static = file
-        .contacts
-        .iter()
-        .any(|contact| contact.holding.is_some());
-    let fields = {
-        let (file, values) = (Arc::clone(file), values.to_vec());
-        let make = move |of| Some(field(&file, &values, free, of).ok()?.0);
-        Fields::new(contacts, Arc::new(make))
-    };
-    for above in sides_to_check(contacts) {
-        let all = (1 << contacts) - 1;
-        let held_ones = match (has_static, contacts) {
-            (false, _) => vec![0],
-            (true, 0..=4) => (0..=all).collect(),
-            (true, _) => vec![0, all],
-        };
-        for held in held_ones {
-            let of = Combination { above, held };
-            let (tape, is_timed) = field(file, values, free, of)?;
-            depends_on_time |= is_timed;
-            fields.keep(of, &tape);
-        }
+impl TapeBuild {
+    /// A tape of this graph.
+    pub(super) fn new(graph: Graph, tape: Tape) -> Self {
+        let held = Arc::new(graph.into_held_numbers());
+        TapeBuild { tape, held }
     }
 
-    let mut heights = Vec::with_capacity(contacts);
+    /// The tape for these values of the parameters; `None` if a build with them would decide
+    /// otherwise.
+    pub(super) fn bound(&self, values: &[f64]) -> Option<Tape> {
+        Some(self.tape.with_held(&self.held.of(values)?))
+    }
+}
+
+/// The tape of a section: of a graph of its own, or of that of the system.
+#[derive(Clone, Debug)]
+pub(super) enum SectionBuild {
+    Alone(TapeBuild),
+    OfSystem(Tape),
+}
+
+impl SectionBuild {
+    /// The tape for these values of the parameters, for which the graph of the system has these
+    /// held numbers; `None` if a build with them would decide otherwise.
+    pub(super) fn bound(&self, values: &[f64], held: &Arc<[f64]>) -> Option<Tape> {
+        match self {
+            SectionBuild::Alone(build) => build.bound(values),
+            SectionBuild::OfSystem(tape) => Some(tape.with_held(held)),
+        }
+    }
+}
+
+/// The boundary functions of all contacts, and whether one depends on time.
+pub(super) fn heights(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+) -> Result<(Vec<Id>, bool), Problem> {
+    let mut depends_on_time = false;
+    let mut heights = Vec::with_capacity(file.contacts.len());
     for contact in &file.contacts {
         let scope = Scope::NoSides("a boundary");
-        let height = Builder::new(file, inputs, &mut graph, scope).formula(&contact.boundary)?;
+        let height = Builder::new(file, inputs, graph, scope).formula(&contact.boundary)?;
         let is_moving = |of: usize| match file.states.get(of) {
             Some(state) => !state.is_discrete,
             None => false,
@@ -254,54 +264,24 @@ pub(crate) fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Resu
         depends_on_time |= graph.depends_on_time(height);
         heights.push(height);
     }
-    let (switching, is_timed) = switching(file, inputs, &mut graph)?;
-    depends_on_time |= is_timed || !switching.inputs.is_empty();
-    if heights.is_empty() {
-        // A system without contacts has one side.
-        heights.extend(graph.constant(1.0));
-    }
-    let mut alone = |formula: &Formula, place| alone(file, (&mut graph, inputs), formula, place);
-    let forces = file.contacts.iter();
-    let forces = forces.filter_map(|contact| contact.normal_force.as_ref());
-    let forces = forces.map(|force| alone(force, "a normal force"));
-    let mut forces = forces.collect::<Result<Vec<_>, _>>()?;
-    // Of several contacts, friction alone vanishes with it.
-    let normal_force = forces.pop().filter(|_| contacts == 1);
-    let sections = file.sections.iter();
-    let sections = sections.map(|section| alone(&section.function, SECTION));
-    let sections = sections.collect::<Result<_, _>>()?;
-    let time = |formula: &Option<Formula>, what| {
-        let formula = formula.as_ref();
-        let value = formula.map(|formula| folded(file, values, formula, Scope::Constant(what)));
-        value.transpose()
-    };
-    let t_start = time(&file.time.start, "the start of a run")?.unwrap_or(0.0);
-    let t_end = time(&file.time.end, "the end of a run")?;
-    if let (Some(end), Some(formula)) = (t_end, &file.time.end)
-        && end <= t_start
-    {
-        let (end, start) = (readable(end), readable(t_start));
-        let message = format!("the end {end} does not lie after the start {start}");
-        return Err(Problem::new(message, formula.whole()));
-    }
-    Ok(Built {
-        fields,
-        has_static,
-        frictions_add: frictions_add(file, values, free)?,
-        boundaries: tape(file, &graph, &heights, inputs)?,
-        normal_force,
-        sections,
-        starts: starts(file, values)?,
-        t_start,
-        t_end,
-        period,
-        depends_on_time,
-        switching,
-    })
+    Ok((heights, depends_on_time))
+}
+
+/// The number of an expression of parameters alone, if there is one.
+pub(super) fn constant(
+    file: &SystemFile,
+    values: &[f64],
+    graph: &mut Graph,
+    (formula, what): (&Option<Formula>, &'static str),
+) -> Result<Option<Id>, Problem> {
+    let (formula, scope) = (formula.as_ref(), Scope::Constant(what));
+    let inputs = Inputs::fixed(values);
+    let number = formula.map(|formula| Builder::new(file, inputs, graph, scope).formula(formula));
+    number.transpose()
 }
 
 /// The tapes of jumps and inputs, and whether a jump depends on time.
-fn switching(
+pub(super) fn switching(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
@@ -418,6 +398,7 @@ fn switching(
                 return Err(Problem::new(message, function.whole()).help(help));
             }
         }
+        let mut held_width = None;
         made.push(Input {
             clock: tape(file, graph, &[clock], inputs)?,
             shape: match &entry.shape {
@@ -426,6 +407,7 @@ fn switching(
                 } => {
                     let width =
                         Builder::new(file, inputs, graph, scope).of_input(width, "width")?;
+                    held_width = graph.place(width);
                     match graph.value(width) {
                         Some(width) => Shape::Repeated(pulse(width).to_vec()),
                         None => Shape::Pulse(tape(file, graph, &[width], inputs)?),
@@ -435,6 +417,7 @@ fn switching(
                 InputShape::Table(pieces) => Shape::Once(pieces.clone()),
                 InputShape::Switch(_) => Shape::Sign,
             },
+            width: held_width,
         });
     }
     let switching = Switching {
@@ -470,25 +453,28 @@ fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     }
 }
 
-/// The tape of the friction of each contact in a combination, as a size; `None` if all are
-/// constant.
-pub(super) fn frictions(file: &SystemFile, values: &[f64], of: Combination) -> Option<Tape> {
+/// The tape of the friction of each contact in a combination, as a size.
+pub(super) fn frictions(
+    file: &SystemFile,
+    values: &[f64],
+    of: Combination,
+) -> Result<TapeBuild, Problem> {
     let (mut graph, inputs) = (Graph::new(), Inputs::fixed(values));
     let mut builder = Builder::new(file, inputs, &mut graph, Scope::Sides(of));
     let contacts = 0..file.contacts.len();
-    let sizes: Vec<Id> = contacts
-        .map(|contact| builder.size(contact))
-        .collect::<Result<_, _>>()
-        .ok()?;
-    let varies = sizes.iter().any(|&size| graph.value(size).is_none());
-    varies
-        .then(|| tape(file, &graph, &sizes, inputs).ok())
-        .flatten()
+    let sizes = contacts.map(|contact| builder.size(contact));
+    let sizes: Vec<Id> = sizes.collect::<Result<_, _>>()?;
+    let tape = tape(file, &graph, &sizes, inputs)?;
+    Ok(TapeBuild::new(graph, tape))
 }
 
 /// Whether no rate depends on the sides of two contacts, in slip or while contacts hold, so that
 /// frictions add.
-fn frictions_add(file: &SystemFile, values: &[f64], free: Freed) -> Result<bool, Problem> {
+pub(super) fn frictions_add(
+    file: &SystemFile,
+    values: &[f64],
+    free: Freed,
+) -> Result<bool, Problem> {
     if !file.stops.is_empty() {
         return Ok(false);
     }
@@ -509,18 +495,19 @@ fn frictions_add(file: &SystemFile, values: &[f64], free: Freed) -> Result<bool,
     Ok(sided.iter().all(|sided| sided.count_ones() <= 1))
 }
 
-/// The tape of the field of one combination, and whether it depends on time.
-fn field(
+/// The field of one combination, and whether it depends on time.
+pub(super) fn field(
     file: &SystemFile,
     values: &[f64],
     free: Freed,
     of: Combination,
-) -> Result<(Tape, bool), Problem> {
+) -> Result<(TapeBuild, bool), Problem> {
     let mut graph = Graph::new();
     let inputs = inputs(file, values, free, &mut graph)?;
     let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
-    Ok((tape(file, &graph, &rates, inputs)?, is_timed))
+    let tape = tape(file, &graph, &rates, inputs)?;
+    Ok((TapeBuild::new(graph, tape), is_timed))
 }
 
 pub(super) fn tape(
@@ -535,7 +522,7 @@ pub(super) fn tape(
 }
 
 /// Parameters and time, of which some parameters are free.
-fn inputs<'a>(
+pub(super) fn inputs<'a>(
     file: &SystemFile,
     values: &'a [f64],
     free: Freed,
@@ -545,51 +532,48 @@ fn inputs<'a>(
     if !free.scales_time {
         return Ok(inputs);
     }
-    let reference = period(file, values)?;
-    Ok(inputs.paced(pace(file, inputs, reference, graph)?))
+    Ok(inputs.paced(pace(file, inputs, values, graph)?))
 }
 
-/// Rate of the file's time in scaled time such that the period is `period`; `None` if it is that
-/// already.
+/// Rate of the file's time in scaled time such that the period stays what it is for these values;
+/// `None` if it depends on no free parameter.
 fn pace(
     file: &SystemFile,
     inputs: Inputs<'_>,
-    period: Option<f64>,
+    values: &[f64],
     graph: &mut Graph,
 ) -> Result<Option<Id>, Problem> {
-    let (Some(formula), Some(period)) = (&file.time.period, period) else {
+    let (Some(formula), Some(period)) = (&file.time.period, period(file, values, graph)?) else {
         return Ok(None);
     };
     let scope = Scope::NoSides("a period");
     let free = Builder::new(file, inputs, graph, scope).formula(formula)?;
-    if graph.value(free) == Some(period) {
+    if graph.is_held(free) {
         return Ok(None);
     }
-    let wrong = |error: NotANumber| no_number(error, formula.whole());
-    let period = graph.constant(period).map_err(wrong)?;
     let pace = graph.binary(Binary::Quotient, free, period);
+    let wrong = |error: NotANumber| no_number(error, formula.whole());
     pace.map_err(wrong).map(Some)
 }
 
-fn starts(file: &SystemFile, values: &[f64]) -> Result<Vec<Option<f64>>, Problem> {
-    let component = |formula| folded(file, values, formula, Scope::Constant("a start"));
-    let starts = file.states.iter();
-    let starts = starts.map(|state| state.start.as_ref().map(component).transpose());
-    starts.collect()
-}
-
-fn period(file: &SystemFile, values: &[f64]) -> Result<Option<f64>, Problem> {
-    let Some(formula) = &file.time.period else {
-        return Ok(None);
-    };
-    let period = folded(file, values, formula, Scope::Constant("a period"))?;
-    if period > 0.0 {
-        return Ok(Some(period));
+/// The period in time, which is positive; `None` if the file has none.
+pub(super) fn period(
+    file: &SystemFile,
+    values: &[f64],
+    graph: &mut Graph,
+) -> Result<Option<Id>, Problem> {
+    let wanted = (&file.time.period, "a period");
+    let period = constant(file, values, graph, wanted)?;
+    if let (Some(formula), Some(period)) = (&file.time.period, period)
+        && !graph.is(period, Test::Positive)
+    {
+        let value = graph.value(period).unwrap_or(f64::NAN);
+        return Err(Problem::new(
+            format!("the period is {}, but must be positive", readable(value)),
+            formula.whole(),
+        ));
     }
-    Err(Problem::new(
-        format!("the period is {}, but must be positive", readable(period)),
-        formula.whole(),
-    ))
+    Ok(period)
 }
 
 /// The value of an expression of constants, which folds to one number.

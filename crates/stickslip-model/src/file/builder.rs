@@ -10,7 +10,7 @@ use super::problem::Problem;
 use super::{Formula, InputEntry, InputShape, SystemFile};
 use crate::expression::{
     Binary, CHOICE, Condition, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id,
-    NotANumber,
+    NotANumber, Test,
 };
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
@@ -32,7 +32,7 @@ pub(super) const NUMBERS: Scope = Scope::Constant("the value of a parameter");
 pub const MOST_FREE: usize = 16;
 
 /// Parameters that are states.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Freed {
     /// Indices of the parameters, in order of these states.
     pub parameters: [Option<usize>; MOST_FREE],
@@ -275,7 +275,7 @@ impl<'a> Builder<'a> {
                     super::stops::reactions(self.file, self.inputs, self.graph, of)
                 };
                 let (below, above) = (on(0)?, on(all)?);
-                if below != above {
+                if !are_same(self.graph, (&below, &above)) {
                     let message = "the force of a stop depends here on the sides of contacts";
                     return Err(Problem::new(message, place).help(
                         "it can stand in [field], friction laws and the definitions that these use",
@@ -401,7 +401,7 @@ impl<'a> Builder<'a> {
                 Ok(self.graph.state(self.file.states.len() + behind))
             }
             (Meaning::Parameter(number), _) => {
-                let made = self.graph.constant(self.inputs.values[number]);
+                let made = self.graph.parameter(number, self.inputs.values[number]);
                 made.map_err(|error| no_number(error, place))
             }
             (
@@ -516,18 +516,24 @@ impl<'a> Builder<'a> {
                  discrete state",
             ));
         }
-        match self.graph.value(made) {
-            Some(period) if what == "period" && period <= 0.0 => Err(Problem::new(
+        let asked = match what {
+            "period" => Some(Test::Positive),
+            "width" => Some(Test::InsideUnit),
+            _ => None,
+        };
+        let is_wrong = asked.is_some_and(|asked| !self.graph.is(made, asked));
+        match self.graph.value(made).filter(|_| is_wrong) {
+            Some(period) if what == "period" => Err(Problem::new(
                 format!("the period is {}, but must be positive", readable(period)),
                 formula.whole(),
             )
             .help("it is the time after which the input comes again")),
-            Some(width) if what == "width" && !(width > 0.0 && width < 1.0) => {
+            Some(width) => {
                 let message = format!("the width {} is not between 0 and 1", readable(width));
                 Err(Problem::new(message, formula.whole())
                     .help("it is the part of the period in which the pulse is 1"))
             }
-            _ => Ok(made),
+            None => Ok(made),
         }
     }
 
@@ -831,7 +837,9 @@ impl<'a> Builder<'a> {
             PartState::NotYet => self.frictions[number] = PartState::UnderWay,
         }
         let mut id = self.formula(law)?;
-        if let Some(value) = self.graph.value(id).filter(|value| *value < 0.0) {
+        if let Some(value) = self.graph.value(id)
+            && self.graph.is(id, Test::Negative)
+        {
             let message = format!(
                 "the friction of contact `{}` is {}, but must not be negative",
                 contact.name,
@@ -935,6 +943,12 @@ impl<'a> Builder<'a> {
             }),
         })
     }
+}
+
+/// Whether numbers of a graph are the same, one by one.
+pub(super) fn are_same(graph: &mut Graph, (ones, others): (&[Id], &[Id])) -> bool {
+    let mut pairs = ones.iter().zip(others);
+    ones.len() == others.len() && pairs.all(|(one, other)| graph.are_same(*one, *other))
 }
 
 /// A function of numbers of a graph that others make up, or that the graph has.

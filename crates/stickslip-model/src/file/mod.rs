@@ -57,6 +57,7 @@ mod builder;
 mod curves;
 mod error_text;
 mod formula;
+mod formulas;
 mod names;
 mod notation;
 mod observe;
@@ -67,6 +68,7 @@ mod stops;
 mod switching;
 mod system;
 mod table;
+mod template;
 mod undefined;
 
 pub use build::Built;
@@ -78,6 +80,8 @@ pub use observe::{FreeStarts, Observed};
 pub use problem::{Problem, Source};
 pub use reactions::Quantities;
 pub use system::{PeriodError, SettingError, System};
+
+use template::Checked;
 
 use std::ops::Range;
 use std::path::Path;
@@ -136,6 +140,7 @@ pub struct SystemFile {
     pub names: Names,
     /// Whether time runs backwards: rates have the other sign, and `t` in formulas is its negative.
     pub is_reversed: bool,
+    checked: Checked,
 }
 
 /// The settings in `[time]` and `[start]` that concern time.
@@ -431,8 +436,11 @@ impl FileError {
 /// The content of a file, if every expression in it is valid.
 fn checked(file: SystemFile) -> Result<SystemFile, Problem> {
     let file = Arc::new(file);
-    build::check(&file)?;
-    Ok(Arc::unwrap_or_clone(file))
+    let checked = Checked::of(build::check(&file)?);
+    Ok(SystemFile {
+        checked,
+        ..Arc::unwrap_or_clone(file)
+    })
 }
 
 impl SystemFile {

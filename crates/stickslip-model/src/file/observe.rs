@@ -5,7 +5,9 @@ use stickslip::scalar::Dual;
 
 use super::build;
 use super::builder::Freed;
+use super::formulas::FormulaKey;
 use super::names::Meaning;
+use super::problem::Problem;
 use super::{FileError, Formula, Parameter, Source, System, SystemFile};
 use crate::expression::Tape;
 use crate::kernel::{HELD_PER_INPUT, Switching};
@@ -68,12 +70,20 @@ impl System {
             text: text.to_owned(),
         };
         let free = Freed::of(variables, false);
-        let made = Formula::parsed(text, 0..text.len(), &source).and_then(|formula| {
-            let tape = build::formula(&self.file, &self.values, free, &formula)?;
-            let switching = build::built(&self.file, &self.values, free)?.switching;
-            Ok(Observed { tape, switching })
-        });
-        made.map_err(|problem| FileError::wrong(problem, source))
+        let made = Formula::parsed(text, 0..text.len(), &source)
+            .and_then(|formula| self.observed_tape(free, &formula));
+        let tape = made.map_err(|problem| FileError::wrong(problem, source))?;
+        let switching = self.switching_with(free)?;
+        Ok(Observed { tape, switching })
+    }
+
+    /// The tape of a formula of time, states and inputs; the free parameters are states behind.
+    fn observed_tape(&self, free: Freed, formula: &Formula) -> Result<Tape, Problem> {
+        let build = || build::formula(&self.file, &self.values, free, formula);
+        self.formula_tape(
+            FormulaKey::Observed(formula.text.clone(), Box::new(free)),
+            build,
+        )
     }
 
     /// The start time and the start of each state as formulas of the parameters `variables`, where
@@ -83,7 +93,7 @@ impl System {
     /// [`FileError::Wrong`] with the fault of a formula.
     pub fn free_starts(&self, variables: &[usize]) -> Result<FreeStarts, FileError> {
         let free = Freed::of(variables, false);
-        let tape = |formula: &Formula| build::formula(&self.file, &self.values, free, formula);
+        let tape = |formula: &Formula| self.observed_tape(free, formula);
         let wrong = |problem| FileError::wrong(problem, self.file.source.clone());
         let states = self.file.states.iter().map(|state| &state.start);
         let states = states.map(|start| start.as_ref().map(tape).transpose());
@@ -131,7 +141,7 @@ impl System {
         let Some(formula) = &self.file.time.period else {
             return Ok(None);
         };
-        let tape = build::formula(&self.file, &self.values, free, formula);
+        let tape = self.observed_tape(free, formula);
         let tape = tape.map_err(|problem| FileError::wrong(problem, self.file.source.clone()))?;
         let values: Vec<f64> = variables
             .iter()

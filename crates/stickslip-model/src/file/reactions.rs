@@ -7,8 +7,9 @@ use stickslip::nalgebra::DVector;
 use stickslip::scalar::Dual;
 use stickslip::{Mode, Side};
 
-use super::build::tape;
+use super::build::{TapeBuild, tape};
 use super::builder::{Builder, Inputs, Scope};
+use super::formulas::FormulaKey;
 use super::problem::Problem;
 use super::{FileError, Formula, Source, System, stops};
 use crate::expression::{Graph, Id, Tape};
@@ -38,7 +39,7 @@ pub struct Quantities<'a> {
     is_sided: bool,
     /// The friction of all contacts in those combinations of sides that have occurred.
     frictions: Vec<(Combination, Option<Tape>)>,
-    /// Whether a formula has the friction force of a contact.
+    /// Whether a formula may have the friction force of a contact.
     has_friction: bool,
     formulas: Vec<Tape>,
 }
@@ -70,9 +71,9 @@ impl System {
             let formula = Formula::parsed(text, 0..text.len(), &source(text));
             let made = formula.and_then(|formula| self.with_forces(&formula));
             let made = made.map_err(|problem| FileError::wrong(problem, source(text)));
-            let (tape, has) = made?;
-            tapes.push(tape);
-            has_friction |= has;
+            tapes.push(made?);
+            let mut contacts = file.contacts.iter();
+            has_friction |= contacts.any(|one| text.contains(&format!("{}.force", one.name)));
             names.push(name.to_owned());
         }
         let all = (1 << file.contacts.len()) - 1;
@@ -89,34 +90,40 @@ impl System {
     }
 
     /// The tape of a formula, with the reactions behind all states and the friction forces behind
-    /// these, and whether it has such a force.
-    fn with_forces(&self, formula: &Formula) -> Result<(Tape, bool), Problem> {
-        let (file, mut graph) = (&self.file, Graph::new());
-        let first = file.states.len() + HELD_PER_INPUT * file.inputs.len();
-        let (stops, contacts) = (file.stops.len(), file.contacts.len());
-        let mut forces: Vec<Id> = (0..stops + contacts)
-            .map(|number| graph.state(first + number))
-            .collect();
-        let frictional = forces.split_off(stops);
-        let inputs = Inputs::fixed(&self.values);
-        let scope = Scope::NoSides("what is observed");
-        let builder = Builder::new(file, inputs, &mut graph, scope);
-        let builder = builder.with_forces(forces);
-        let root = builder.with_friction_forces(frictional).formula(formula)?;
-        let has_friction = graph.depends_on_states(root, |state| state >= first + stops);
-        let tape = Tape::new(&graph, &[root], first + stops + contacts);
-        let tape = tape.map_err(|error| Problem::new(error.to_string(), 0..0));
-        Ok((tape?, has_friction))
+    /// these.
+    fn with_forces(&self, formula: &Formula) -> Result<Tape, Problem> {
+        let build = || {
+            let (file, mut graph) = (&self.file, Graph::new());
+            let first = file.states.len() + HELD_PER_INPUT * file.inputs.len();
+            let (stops, contacts) = (file.stops.len(), file.contacts.len());
+            let mut forces: Vec<Id> = (0..stops + contacts)
+                .map(|number| graph.state(first + number))
+                .collect();
+            let frictional = forces.split_off(stops);
+            let inputs = Inputs::fixed(&self.values);
+            let scope = Scope::NoSides("what is observed");
+            let builder = Builder::new(file, inputs, &mut graph, scope);
+            let builder = builder.with_forces(forces);
+            let root = builder.with_friction_forces(frictional).formula(formula)?;
+            let tape = Tape::new(&graph, &[root], first + stops + contacts);
+            let tape = tape.map_err(|error| Problem::new(error.to_string(), 0..0))?;
+            Ok(TapeBuild::new(graph, tape))
+        };
+        self.formula_tape(FormulaKey::WithForces(formula.text.clone()), build)
     }
 
     /// The tape of the friction of all contacts in a combination of sides; `None` if there is none.
     fn friction_forces(&self, of: Combination) -> Option<Tape> {
-        let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
-        let mut builder = Builder::new(&self.file, inputs, &mut graph, Scope::Sides(of));
-        let contacts = 0..self.contacts();
-        let forces = contacts.map(|contact| builder.friction_force(contact));
-        let forces = forces.collect::<Result<Vec<Id>, _>>().ok()?;
-        tape(&self.file, &graph, &forces, inputs).ok()
+        let build = || {
+            let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
+            let mut builder = Builder::new(&self.file, inputs, &mut graph, Scope::Sides(of));
+            let contacts = 0..self.contacts();
+            let forces = contacts.map(|contact| builder.friction_force(contact));
+            let forces = forces.collect::<Result<Vec<Id>, _>>()?;
+            let tape = tape(&self.file, &graph, &forces, inputs)?;
+            Ok(TapeBuild::new(graph, tape))
+        };
+        self.formula_tape(FormulaKey::FrictionForces(of), build).ok()
     }
 
     /// The tape of the reactions in a combination of sides; `None` if there is none.
@@ -124,9 +131,13 @@ impl System {
         if self.file.stops.is_empty() {
             return None;
         }
-        let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
-        let roots = stops::reactions(&self.file, inputs, &mut graph, of).ok()?;
-        tape(&self.file, &graph, &roots, inputs).ok()
+        let build = || {
+            let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
+            let roots = stops::reactions(&self.file, inputs, &mut graph, of)?;
+            let tape = tape(&self.file, &graph, &roots, inputs)?;
+            Ok(TapeBuild::new(graph, tape))
+        };
+        self.formula_tape(FormulaKey::Reactions(of), build).ok()
     }
 
     /// Why a stop that carries at a state has no finite reaction there, in words: on some sides of

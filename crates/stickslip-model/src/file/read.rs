@@ -8,6 +8,7 @@ use toml::de::DeTable;
 use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
 use super::table::{Entry, Table, listed};
+use super::template::Checked;
 use super::{Contact, Formula, Named, Parameter, Rate, SectionEntry, StateEntry, SystemFile, Time};
 use super::{stops, switching};
 use crate::expression::normal;
@@ -84,6 +85,7 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
         field,
         names,
         is_reversed: false,
+        checked: Checked::default(),
     })
 }
 

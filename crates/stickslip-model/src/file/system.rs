@@ -9,15 +9,17 @@ use stickslip::nalgebra::{DMatrix, DVector};
 use stickslip::scalar::Dual;
 use stickslip::{AbsoluteTolerance, Direction, Error, Scalar};
 
-use super::build::{self, Built};
+use super::build::{self, Built, TapeBuild};
 use super::builder::{Freed, NONE_FREE};
+use super::formulas::FormulaKey;
+use super::template::{Family, Template};
 use super::{
     FileError, Formula, Problem, SectionEntry, Source, StateEntry, SystemFile, did_you_mean,
 };
 use crate::expression::Tape;
 use crate::kernel::{
     Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, SectionFunction, Size,
-    dynamics, sides_to_check,
+    Switching, dynamics, sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -49,6 +51,10 @@ pub struct System {
     pub built: Built,
     dynamics: DynamicsRef<'static>,
     interrupt: Option<Arc<Interrupt>>,
+    /// The builds of the file, which systems with other values share.
+    family: Arc<Family>,
+    /// The build that the tapes are of.
+    template: Arc<Template>,
 }
 
 /// Reason for which attractors of a time-dependent system cannot be computed.
@@ -126,7 +132,9 @@ impl SystemFile {
     /// which an expression is not a finite number.
     pub fn with(&self, settings: &[(String, f64)]) -> Result<System, SettingError> {
         let values = self.values_with(build::values(self), settings)?;
-        Ok(System::new(Arc::new(self.clone()), values, None)?)
+        let known = self.checked.family(self);
+        let family = known.unwrap_or_else(|| Arc::new(Family::new(Arc::new(self.clone()))));
+        Ok(System::new(family, values, None)?)
     }
 
     /// The number of a parameter.
@@ -180,22 +188,24 @@ impl SystemFile {
 }
 
 impl System {
+    /// The system of a family with these values of the parameters.
     fn new(
-        file: Arc<SystemFile>,
+        family: Arc<Family>,
         values: Vec<f64>,
         interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
-        let built = built(&file, &values, NONE_FREE)?;
-        System::of(file, values, built, interrupt)
+        let (built, template) = family.system(&values, NONE_FREE)?;
+        System::of((family, template), values, built, interrupt)
     }
 
     /// The system of these tapes.
     fn of(
-        file: Arc<SystemFile>,
+        (family, template): (Arc<Family>, Arc<Template>),
         values: Vec<f64>,
         built: Built,
         interrupt: Option<Arc<Interrupt>>,
     ) -> Result<System, FileError> {
+        let file = Arc::clone(family.file());
         let states = file.states.len();
         let with = (sections(&file, &built), interrupt.clone());
         let dynamics = solver(&file, &built, with, [states, 0])?;
@@ -205,7 +215,17 @@ impl System {
             built,
             dynamics,
             interrupt,
+            family,
+            template,
         })
+    }
+
+    /// How often formulas were built for this system and those that differ from it in values of
+    /// parameters, in free parameters or in the interrupt: as a rule once for each set of free
+    /// parameters, and for each formula that is observed besides. Formulas are built again where a
+    /// value changes what is left out of them, such as a factor that is exactly 0 or 1.
+    pub fn builds(&self) -> usize {
+        self.family.builds()
     }
 
     /// The system with other values of some parameters, by name.
@@ -214,8 +234,8 @@ impl System {
     /// See [`SystemFile::with`].
     pub fn with_values(&self, given: &[(&str, f64)]) -> Result<System, SettingError> {
         let values = self.file.values_with(self.values.clone(), given)?;
-        let (file, interrupt) = (self.file.clone(), self.interrupt.clone());
-        Ok(System::new(file, values, interrupt)?)
+        let (family, interrupt) = (self.family.clone(), self.interrupt.clone());
+        Ok(System::new(family, values, interrupt)?)
     }
 
     /// The system with time that runs backwards: an orbit of it from `-t` is the past of the state
@@ -228,7 +248,8 @@ impl System {
             is_reversed: !self.file.is_reversed,
             ..SystemFile::clone(&self.file)
         };
-        System::new(Arc::new(file), self.values.clone(), self.interrupt.clone())
+        let family = Arc::new(Family::new(Arc::new(file)));
+        System::new(family, self.values.clone(), self.interrupt.clone())
     }
 
     /// The system with other sections.
@@ -236,8 +257,8 @@ impl System {
     /// # Errors
     /// [`FileError::Wrong`] with the fault of a function.
     pub fn with_sections(&self, sections: &[(&str, Direction)]) -> Result<System, FileError> {
-        let (mut file, mut built) = (SystemFile::clone(&self.file), self.built.clone());
-        (file.sections, built.sections) = (Vec::new(), Vec::new());
+        let (mut file, mut builds) = (SystemFile::clone(&self.file), Vec::new());
+        file.sections = Vec::new();
         for &(text, direction) in sections {
             let source = Source {
                 name: "section".to_owned(),
@@ -245,8 +266,7 @@ impl System {
             };
             let function = Formula::parsed(text, 0..text.len(), &source);
             let section = function.and_then(|function| {
-                let tape = build::section(&self.file, &self.values, &function)?;
-                built.sections.push(tape);
+                builds.push(build::section(&self.file, &self.values, &function)?);
                 Ok(SectionEntry {
                     function,
                     direction,
@@ -255,12 +275,9 @@ impl System {
             let section = section.map_err(|problem| FileError::wrong(problem, source))?;
             file.sections.push(section);
         }
-        System::of(
-            Arc::new(file),
-            self.values.clone(),
-            built,
-            self.interrupt.clone(),
-        )
+        let template = self.template.with_sections(Arc::new(file), builds);
+        let family = Arc::new(Family::of(template, self.builds()));
+        System::new(family, self.values.clone(), self.interrupt.clone())
     }
 
     /// The system with orbits that end when `interrupt` is raised. This also holds for systems
@@ -269,8 +286,9 @@ impl System {
     /// # Errors
     /// See [`SystemFile::with`].
     pub fn interrupted_by(&self, interrupt: Arc<Interrupt>) -> Result<System, SettingError> {
-        let (file, values) = (self.file.clone(), self.values.clone());
-        Ok(System::new(file, values, Some(interrupt))?)
+        let of = (self.family.clone(), self.template.clone());
+        let (values, built) = (self.values.clone(), self.built.clone());
+        Ok(System::of(of, values, built, Some(interrupt))?)
     }
 
     /// The system with a parameter as an additional last state, for continuation. Time is scaled so
@@ -308,11 +326,25 @@ impl System {
     }
 
     fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
-        let built = built(&self.file, &self.values, free)?;
+        let (built, _) = self.family.system(&self.values, free)?;
         let parameters = free.count();
         let with = (sections(&self.file, &built), self.interrupt.clone());
         let states = [self.states(), parameters];
         Ok(solver(&self.file, &built, with, states)?)
+    }
+
+    /// The tape of a formula beside the system, which systems with other values share.
+    pub(super) fn formula_tape(
+        &self,
+        key: FormulaKey,
+        build: impl FnOnce() -> Result<TapeBuild, Problem>,
+    ) -> Result<Tape, Problem> {
+        self.family.formulas.tape(key, &self.values, build)
+    }
+
+    /// The jumps and inputs, with free parameters as states.
+    pub(super) fn switching_with(&self, free: Freed) -> Result<Switching, FileError> {
+        Ok(self.family.system(&self.values, free)?.0.switching)
     }
 
     /// The period of a driven system; `None` for an autonomous one.
@@ -341,6 +373,18 @@ impl System {
                 period,
             }),
             _ => Ok(there),
+        }
+    }
+
+    /// The period in the file, if it has one, with other values of some parameters.
+    ///
+    /// # Errors
+    /// See [`SystemFile::with`].
+    pub fn period_with(&self, given: &[(&str, f64)]) -> Result<Option<f64>, SettingError> {
+        let values = self.file.values_with(self.values.clone(), given)?;
+        match self.template.period(&values) {
+            Some(period) => Ok(period),
+            None => Ok(self.family.system(&values, NONE_FREE)?.0.period),
         }
     }
 
@@ -512,7 +556,9 @@ impl System {
     /// The tape of the friction of each contact in a combination, as a size. `None` if all are
     /// constant.
     pub(crate) fn frictions(&self, of: Combination) -> Option<Tape> {
-        build::frictions(&self.file, &self.values, of)
+        let build = || build::frictions(&self.file, &self.values, of);
+        let tape = self.formula_tape(FormulaKey::Frictions(of), build).ok()?;
+        Some(tape).filter(|tape| !tape.is_constant())
     }
 
     /// The boundary function of a contact, and its derivative with respect to one state.
@@ -541,12 +587,6 @@ fn sections(file: &SystemFile, built: &Built) -> Vec<SectionFunction> {
         direction: section.direction,
     });
     sections.collect()
-}
-
-/// Builds the tapes, or reports the fault in the file.
-fn built(file: &Arc<SystemFile>, values: &[f64], free: Freed) -> Result<Built, FileError> {
-    let built = build::built(file, values, free);
-    built.map_err(|problem| FileError::wrong(problem, file.source.clone()))
 }
 
 /// The solver for the equations of a file with these numbers of states and of parameters that are

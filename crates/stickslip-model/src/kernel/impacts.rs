@@ -5,6 +5,8 @@
 //! contact and dry friction in finite freedom dynamics*, CISM 302 (1988); Glocker, *Set-Valued
 //! Force Laws*, 2001, Sect. 9).
 
+use std::sync::Arc;
+
 use stickslip::Scalar;
 
 use crate::expression::Tape;
@@ -81,6 +83,16 @@ struct Strike<T> {
 const OF_STOP: usize = 5;
 
 impl Impacts {
+    /// The law with other values of the held numbers of its graph.
+    #[must_use]
+    pub fn with_held(&self, held: &Arc<[f64]>) -> Self {
+        Impacts {
+            parts: self.parts.with_held(held),
+            closed: self.closed.clone(),
+            states: self.states,
+        }
+    }
+
     fn evaluated<T: Scalar>(&self, t: T, x: &[T]) -> Vec<T> {
         let count = self.closed.len();
         let mut parts = vec![T::zero(); count * (OF_STOP + count + 2 * self.states)];

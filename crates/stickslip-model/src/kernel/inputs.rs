@@ -1,6 +1,7 @@
 //! Inputs that depend on time alone, and jumps, as tapes.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use numerics::bisect;
 use stickslip::dynamics::Jumps;
@@ -8,7 +9,7 @@ use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
 use super::impacts::Impacts;
-use crate::expression::{self, Tape};
+use crate::expression::{self, Place, Tape};
 use crate::file::StopEvent;
 
 /// Number of states that an input adds. They are constant from one kink to the next: a value, and a
@@ -22,6 +23,8 @@ pub struct Input {
     pub clock: Tape,
     /// The shape between kinks.
     pub shape: Shape,
+    /// The width of a pulse among the held numbers, if it is one.
+    pub width: Option<Place>,
 }
 
 /// The shapes of an input between its kinks.
@@ -73,6 +76,20 @@ const KINK_TIME_ULPS: f64 = 1024.0;
 const MOST_SEARCH_RANGES: usize = 10_000;
 
 impl Input {
+    /// The input with other values of the held numbers of its graph.
+    fn with_held(&self, held: &Arc<[f64]>) -> Self {
+        let width = self.width.and_then(|width| width.of(held));
+        Input {
+            clock: self.clock.with_held(held),
+            shape: match (&self.shape, width) {
+                (_, Some(width)) => Shape::Repeated(pulse(width).to_vec()),
+                (Shape::Pulse(width), None) => Shape::Pulse(width.with_held(held)),
+                (shape, None) => shape.clone(),
+            },
+            width: self.width,
+        }
+    }
+
     fn reading<T: Scalar>(&self, t: T, x: &[T]) -> T {
         let mut out = [T::zero()];
         self.clock.evaluate(t, x, &mut out);
@@ -255,6 +272,25 @@ pub struct JumpCondition {
     pub count: usize,
 }
 
+impl Jump {
+    /// The jump with other values of the held numbers of its graph.
+    fn with_held(&self, held: &Arc<[f64]>) -> Self {
+        let condition = self.condition.as_ref().map(|condition| JumpCondition {
+            leads: condition.leads.with_held(held),
+            ..condition.clone()
+        });
+        Jump {
+            when: self.when.with_held(held),
+            condition,
+            set: match &self.set {
+                Map::Formulas(tape) => Map::Formulas(tape.with_held(held)),
+                of_stop => of_stop.clone(),
+            },
+            ..self.clone()
+        }
+    }
+}
+
 impl JumpCondition {
     /// Whether it holds; `None` where a number that decides it is none.
     fn holds(&self, t: f64, x: &[f64]) -> Option<bool> {
@@ -320,6 +356,23 @@ impl Switching {
         Switching {
             states,
             ..Switching::default()
+        }
+    }
+
+    /// The jumps and inputs with other values of the held numbers of their graph.
+    #[must_use]
+    pub fn with_held(&self, held: &Arc<[f64]>) -> Self {
+        Switching {
+            jumps: self.jumps.iter().map(|jump| jump.with_held(held)).collect(),
+            impacts: self.impacts.as_ref().map(|law| law.with_held(held)),
+            inputs: self
+                .inputs
+                .iter()
+                .map(|input| input.with_held(held))
+                .collect(),
+            states: self.states,
+            discrete: self.discrete.clone(),
+            constant_between_jumps: self.constant_between_jumps.clone(),
         }
     }
 

@@ -19,7 +19,8 @@ pub use inputs::{
     HELD_PER_INPUT, Input, InputPiece, Jump, JumpCondition, Map, Shape, Switching, pulse,
 };
 pub use system::{
-    Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction, sides_to_check,
+    ByCombination, Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction,
+    sides_to_check,
 };
 
 /// Largest number of states of a system.

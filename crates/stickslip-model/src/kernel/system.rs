@@ -69,7 +69,7 @@ impl<const N: usize> Filippov<N> for OneContact {
 }
 
 /// The contacts that are above and those that hold, as bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Combination {
     /// Bit `i` is set where contact `i` is [`Side::Above`].
     pub above: usize,
@@ -80,15 +80,20 @@ pub struct Combination {
 /// Builds the tape of the field of a combination; `None` if there is none.
 pub type BuildTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 
-/// Storage of the tape of a combination.
-type TapeSlot = OnceLock<(Combination, Option<Tape>)>;
+/// Storage of what belongs to a combination.
+type Slot<T> = OnceLock<(Combination, T)>;
 
-/// The fields of all combinations of sides and holding contacts, 4^M for M contacts. Each is built
+/// What belongs to each combination of sides and holding contacts, 4^M for M contacts. Each is made
 /// on first use.
+pub struct ByCombination<T> {
+    contacts: usize,
+    slots: Arc<[Slot<T>]>,
+}
+
+/// The fields of all combinations.
 #[derive(Clone)]
 pub struct Fields {
-    contacts: usize,
-    slots: Arc<[TapeSlot]>,
+    tapes: ByCombination<Option<Tape>>,
     build: Arc<BuildTape>,
 }
 
@@ -104,30 +109,71 @@ const SPREAD: u64 = 0x9E37_79B9_7F4A_7C15;
 /// Number of slots in which a combination is looked for. More would take as long as a rebuild.
 const PROBES: usize = 16;
 
-impl Fields {
-    /// No field is built yet.
-    pub fn new(contacts: usize, build: Arc<BuildTape>) -> Self {
+impl<T> Clone for ByCombination<T> {
+    fn clone(&self) -> Self {
+        ByCombination {
+            contacts: self.contacts,
+            slots: Arc::clone(&self.slots),
+        }
+    }
+}
+
+impl<T> ByCombination<T> {
+    /// Nothing is made yet.
+    pub fn new(contacts: usize) -> Self {
         let all = 1_usize
             .checked_shl(2 * contacts as u32)
             .unwrap_or(MOST_STORED_TAPES);
         let slots = (0..all.min(MOST_STORED_TAPES)).map(|_| OnceLock::new());
-        Fields {
+        ByCombination {
             contacts,
             slots: slots.collect(),
-            build,
         }
+    }
+
+    /// What belongs to a combination, made if necessary; `None` if there is no room.
+    pub fn get_or_make(&self, of: Combination, make: impl Fn() -> T) -> Option<&T> {
+        let stored = self
+            .slots_of(of)
+            .map(|slot| slot.get_or_init(|| (of, make())));
+        let mut own = stored.filter(|(other, _)| *other == of);
+        own.next().map(|(_, found)| found)
+    }
+
+    /// The slots of a combination, in order of search: its own first, then the following ones.
+    fn slots_of(&self, of: Combination) -> impl Iterator<Item = &Slot<T>> {
+        let key = of.above | of.held << self.contacts;
+        let own = match self.slots.len() {
+            // All have room. Otherwise neighbours are spread.
+            all if 2 * self.contacts < all.ilog2() as usize + 1 => key % all,
+            some => ((key as u64).wrapping_mul(SPREAD) >> (u64::BITS - some.ilog2())) as usize,
+        };
+        let (before, from_own) = self.slots.split_at(own);
+        from_own.iter().chain(before).take(PROBES)
+    }
+}
+
+impl<T> fmt::Debug for ByCombination<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "combinations of {} contacts", self.contacts)
+    }
+}
+
+impl Fields {
+    /// No field is built yet.
+    pub fn new(contacts: usize, build: Arc<BuildTape>) -> Self {
+        let tapes = ByCombination::new(contacts);
+        Fields { tapes, build }
     }
 
     /// Number of contacts.
     pub fn contacts(&self) -> usize {
-        self.contacts
+        self.tapes.contacts
     }
 
     /// Stores the tape of a combination, which then need not be built.
     pub fn keep(&self, of: Combination, tape: &Tape) {
-        let stored = || (of, Some(tape.clone()));
-        self.slots_of(of)
-            .find(|slot| slot.get_or_init(stored).0 == of);
+        self.tapes.get_or_make(of, || Some(tape.clone()));
     }
 
     /// The tape of a combination; `None` if there is none.
@@ -148,23 +194,7 @@ impl Fields {
 
     /// The stored tape of a combination, built if necessary; `None` if there is no room.
     fn stored(&self, of: Combination) -> Option<&Option<Tape>> {
-        let stored = self
-            .slots_of(of)
-            .map(|slot| slot.get_or_init(|| (of, (self.build)(of))));
-        let mut own = stored.filter(|(other, _)| *other == of);
-        own.next().map(|(_, tape)| tape)
-    }
-
-    /// The slots of a combination, in order of search: its own first, then the following ones.
-    fn slots_of(&self, of: Combination) -> impl Iterator<Item = &TapeSlot> {
-        let key = of.above | of.held << self.contacts;
-        let own = match self.slots.len() {
-            // All have room. Otherwise neighbours are spread.
-            all if 2 * self.contacts < all.ilog2() as usize + 1 => key % all,
-            some => ((key as u64).wrapping_mul(SPREAD) >> (u64::BITS - some.ilog2())) as usize,
-        };
-        let (before, from_own) = self.slots.split_at(own);
-        from_own.iter().chain(before).take(PROBES)
+        self.tapes.get_or_make(of, || (self.build)(of))
     }
 }
 
@@ -192,7 +222,7 @@ pub fn sides_to_check(contacts: usize) -> Vec<usize> {
 
 impl fmt::Debug for Fields {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "fields of {} contacts", self.contacts)
+        write!(f, "fields of {} contacts", self.contacts())
     }
 }
 
@@ -214,7 +244,7 @@ pub struct ManyContacts {
 impl ManyContacts {
     /// Bits of the existing contacts for which a condition holds.
     fn bits<const M: usize>(&self, is: impl Fn(usize) -> bool) -> usize {
-        let contacts = self.fields.contacts.min(M);
+        let contacts = self.fields.contacts().min(M);
         (0..contacts).fold(0, |bits, i| bits | usize::from(is(i)) << i)
     }
 
@@ -254,7 +284,7 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
     }
 
     fn contacts(&self) -> usize {
-        self.fields.contacts.min(M)
+        self.fields.contacts().min(M)
     }
 
     fn frictions_add(&self) -> bool {

@@ -364,8 +364,8 @@ impl<'a> Along<'a> {
         let Some(here) = self.system.built.period else {
             return Ok(1.0);
         };
-        let there = self.system.with_values(values)?;
-        Ok(there.built.period.map_or(1.0, |there| there / here))
+        let there = self.system.period_with(values)?;
+        Ok(there.map_or(1.0, |there| there / here))
     }
 
     fn in_file(&self, orbit: BranchPoint) -> Result<BranchPoint, SettingError> {

@@ -191,8 +191,8 @@ impl Diagram<'_> {
                 Some(reference),
             ) = (what, forcing)
             {
-                let there = self.system.with_values(&[(self.parameter, *parameter)])?;
-                *period *= there.built.period.map_or(1.0, |there| there / reference);
+                let there = self.system.period_with(&[(self.parameter, *parameter)])?;
+                *period *= there.map_or(1.0, |there| there / reference);
             }
         }
         Ok(located)

@@ -14,6 +14,7 @@ mod extremes;
 mod fit;
 mod forces;
 mod friction;
+mod held;
 mod hybrid;
 mod inputs;
 mod instants;

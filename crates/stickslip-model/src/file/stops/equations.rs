@@ -5,14 +5,16 @@
 //! is left out of that stop's reaction: the mean over both of its sides stands in the equation.
 //! So it sticks, and what it holds alone it goes on to hold when the stop has let go.
 
+use std::sync::Arc;
+
 use numerics::SplitMix;
 use stickslip::error::readable;
 
 use super::super::build::tape;
-use super::super::builder::{Builder, Inputs, Scope, no_number};
+use super::super::builder::{Builder, Inputs, Scope, are_same, no_number};
 use super::super::problem::Problem;
 use super::super::{StopEntry, SystemFile};
-use crate::expression::{Binary, Graph, GraphInput, Id, NotANumber};
+use crate::expression::{Binary, Graph, GraphInput, Id, NotANumber, Tape, Test};
 use crate::kernel::{Combination, HELD_PER_INPUT};
 
 /// The equations of the stops in one combination of sides.
@@ -84,7 +86,7 @@ pub(super) fn ways(
         ways.push(graph.along(rate, push(acts))?);
     }
     let opened = derivative(graph, gap, push(&ways))?;
-    if graph.value(opened) == Some(0.0) {
+    if graph.is(opened, Test::Zero) {
         return Ok(vec![None; ways.len()]);
     }
     let scaled = ways.into_iter();
@@ -115,7 +117,6 @@ const POINTS: usize = 4;
 const VANISHED: f64 = 1e-9;
 
 /// The second derivative of a gap: without reactions, and what each of them adds.
-#[derive(PartialEq)]
 struct Row {
     free: Id,
     coupling: Vec<Id>,
@@ -239,32 +240,13 @@ impl<'a> Build<'a> {
         roots.extend(by_state(graph, &acts, states).map_err(wrong)?);
         roots.extend(&boundaries);
         let tape = tape(self.file, graph, &roots, self.inputs)?;
-        let evaluated = |t: f64, x: &[f64]| {
-            let mut values = vec![0.0; roots.len()];
-            tape.evaluate(t, x, &mut values);
-            values
-        };
-        let mut draw = SplitMix::new(1);
-        let mut shared = (1 << boundaries.len()) - 1;
-        for _ in 0..POINTS {
-            let t = draw.uniform();
-            let mut x: Vec<f64> = (0..self.states()).map(|_| draw.between(0.5, 1.5)).collect();
-            let before = evaluated(t, &x);
-            for (x, way) in x.iter_mut().zip(&before[3..3 + states]) {
-                *x -= way * before[0];
-            }
-            let closed = evaluated(t, &x);
-            for (x, acts) in x.iter_mut().zip(&closed[3 + states..3 + 2 * states]) {
-                *x -= acts * closed[1] / closed[2];
-            }
-            let after = evaluated(t, &x);
-            for contact in 0..boundaries.len() {
-                let of = |values: &[f64]| values[3 + 2 * states + contact].abs();
-                let vanishes = of(&after) <= VANISHED * of(&before);
-                shared &= !(usize::from(!vanishes) << contact);
-            }
+        if boundaries.is_empty() {
+            return Ok(0);
         }
-        Ok(shared)
+        let sizes = (self.states(), states, boundaries.len());
+        Ok(graph.probed(Arc::new(move |held| {
+            shared_by(&tape.with_held(held), sizes)
+        })))
     }
 
     /// The second derivative of a gap with this rate.
@@ -313,7 +295,11 @@ impl<'a> Build<'a> {
         let Some(mut mean) = rows.pop() else {
             return self.row(graph, of_gap, of);
         };
-        if rows.iter().all(|row| *row == mean) {
+        let is_one = |row: &Row| {
+            let coupling = (&*row.coupling, &*mean.coupling);
+            graph.are_same(row.free, mean.free) && are_same(graph, coupling)
+        };
+        if rows.iter().all(is_one) {
             return Ok(mean);
         }
         let made = (|| {
@@ -331,6 +317,38 @@ impl<'a> Build<'a> {
         })();
         made.map_err(|error| no_number(error, of_gap.0.place.clone()))
     }
+}
+
+/// The contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the
+/// gap, its rate, what a unit of the reaction adds to that, the rows of [`ways`] and [`acts`], and
+/// the boundaries, for so many states with what inputs hold, states, and contacts.
+fn shared_by(tape: &Tape, (all, states, contacts): (usize, usize, usize)) -> usize {
+    let evaluated = |t: f64, x: &[f64]| {
+        let mut values = vec![0.0; 3 + 2 * states + contacts];
+        tape.evaluate(t, x, &mut values);
+        values
+    };
+    let mut draw = SplitMix::new(1);
+    let mut shared = (1 << contacts) - 1;
+    for _ in 0..POINTS {
+        let t = draw.uniform();
+        let mut x: Vec<f64> = (0..all).map(|_| draw.between(0.5, 1.5)).collect();
+        let before = evaluated(t, &x);
+        for (x, way) in x.iter_mut().zip(&before[3..3 + states]) {
+            *x -= way * before[0];
+        }
+        let closed = evaluated(t, &x);
+        for (x, acts) in x.iter_mut().zip(&closed[3 + states..3 + 2 * states]) {
+            *x -= acts * closed[1] / closed[2];
+        }
+        let after = evaluated(t, &x);
+        for contact in 0..contacts {
+            let of = |values: &[f64]| values[3 + 2 * states + contact].abs();
+            let vanishes = of(&after) <= VANISHED * of(&before);
+            shared &= !(usize::from(!vanishes) << contact);
+        }
+    }
+    shared
 }
 
 /// The equations of the stops.
@@ -353,7 +371,9 @@ pub(super) fn equations(
         let [gap, rate] = build.gap(graph, (stop, of))?;
         let shared = build.shared(graph, (number, gap, rate), of)?;
         let Row { free, coupling } = build.mean_row(graph, (stop, rate), (of, shared))?;
-        if let Some(own) = graph.value(coupling[number]).filter(|own| *own <= 0.0) {
+        if let Some(own) = graph.value(coupling[number])
+            && !graph.is(coupling[number], Test::Positive)
+        {
             let message = match own == 0.0 {
                 true => format!(
                     "the reaction of the stop `{}` does not move its gap",
@@ -434,10 +454,10 @@ fn solved(
     for (row, entries) in matrix.iter_mut().enumerate() {
         for (column, entry) in entries.iter_mut().enumerate() {
             let is_own = row == column;
-            if is_own && count == 1 && graph.value(*entry).is_some() {
+            if is_own && count == 1 && graph.is_held(*entry) {
                 continue;
             }
-            if is_own && graph.value(*entry).is_none() {
+            if is_own && !graph.is_held(*entry) {
                 *entry = graph.where_positive(*entry, *entry)?;
             }
             *entry = graph.binary(Binary::Product, *entry, closed[row])?;
@@ -452,7 +472,7 @@ fn solved(
     // Gauss's elimination; a pivot that is not positive has no unique reaction.
     for pivot in 0..count {
         for row in pivot + 1..count {
-            if graph.value(matrix[row][pivot]) == Some(0.0) {
+            if graph.is(matrix[row][pivot], Test::Zero) {
                 continue;
             }
             let factor =

@@ -14,12 +14,12 @@ use equations::{StopEquations, acts, by_state, derivative, equations, push, ways
 pub(super) use equations::{openings, reactions};
 
 use super::build::tape;
-use super::builder::{Builder, Inputs, Scope, no_number};
+use super::builder::{Builder, Inputs, Scope, are_same, no_number};
 use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::table::{Entry, Table};
 use super::{Formula, JumpEntry, StateEntry, StopEntry, StopEvent, SystemFile};
-use crate::expression::{Binary, Function, Graph, GraphInput, Id, NotANumber};
+use crate::expression::{Binary, Function, Graph, GraphInput, Id, NotANumber, Test};
 use crate::kernel::{Combination, Impacts};
 
 /// Most stops of a file. Chosen: an impact tries all sets of those that touch.
@@ -148,14 +148,15 @@ pub(super) fn built(
     for above in combinations(file.contacts.len()) {
         let of = Combination { above, held: 0 };
         let there = equations(file, inputs, graph, of)?;
-        is_one_force &= reactions(file, inputs, graph, of)? == forces;
+        let here = reactions(file, inputs, graph, of)?;
+        is_one_force &= are_same(graph, (&here, &forces));
         for (number, stop) in file.stops.iter().enumerate() {
-            if below.rates[number] != there.rates[number] {
+            if !graph.are_same(below.rates[number], there.rates[number]) {
                 let message = sided(&stop.name, "rate");
                 return Err(Problem::new(message, stop.gap.whole())
                     .help("a gap is a position: friction acts on its second derivative"));
             }
-            is_free_of_sides[number] &= below.free[number] == there.free[number];
+            is_free_of_sides[number] &= graph.are_same(below.free[number], there.free[number]);
         }
     }
     let mut when = Vec::new();
@@ -224,9 +225,8 @@ fn impacts(
         let scope = Scope::NoSides("a restitution");
         let builder = Builder::new(file, inputs, graph, scope);
         let restitution = builder.approached_at(speed).formula(&stop.restitution)?;
-        if let Some(value) = graph
-            .value(restitution)
-            .filter(|e| !(0.0..=1.0).contains(e))
+        if let Some(value) = graph.value(restitution)
+            && !graph.is(restitution, Test::WithinUnit)
         {
             let message = format!("the restitution {} is not between 0 and 1", readable(value));
             return Err(Problem::new(message, stop.restitution.whole())

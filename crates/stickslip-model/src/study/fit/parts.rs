@@ -130,7 +130,7 @@ impl<'r> Problem<'r> {
         }
         let problem = Problem {
             request: self.request,
-            file: self.file.clone(),
+            base: self.base.clone(),
             unknowns,
             records: runs,
             parts: Some(parts),

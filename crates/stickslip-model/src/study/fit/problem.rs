@@ -1,5 +1,7 @@
 //! Residuals of all records, with derivatives by the unknowns.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use stickslip::analysis::{Loss, Residuals};
 use stickslip::dynamics::{Matrix, Modes, Vector};
@@ -11,7 +13,7 @@ use super::statistics::spread;
 use super::unknowns::Unknowns;
 use super::{FitError, FitRequest, Modelled, Record};
 use crate::expression::normal;
-use crate::file::{System, SystemFile};
+use crate::file::System;
 
 /// Modes of the phases of each record.
 pub(super) type Sequence = Vec<Vec<Modes>>;
@@ -19,8 +21,9 @@ pub(super) type Sequence = Vec<Vec<Modes>>;
 /// A request made ready to run, in whole records or in parts of them.
 pub(super) struct Problem<'r> {
     pub(super) request: &'r FitRequest,
-    /// The file with the parameters of the observables.
-    pub(super) file: SystemFile,
+    /// The system with the parameters of the observables and the values of the file. The systems of
+    /// records share its build.
+    pub(super) base: Arc<System>,
     pub(super) unknowns: Unknowns,
     /// Records, or their parts in order.
     pub(super) records: Vec<RecordRun>,
@@ -36,7 +39,7 @@ impl<'r> Problem<'r> {
         let further: Vec<(&str, f64)> = further.map(|(name, value)| (&**name, *value)).collect();
         let mut problem = Problem {
             request,
-            file: request.file.with_parameters(&further)?,
+            base: Arc::new(request.file.with_parameters(&further)?.with(&[])?),
             unknowns: Unknowns::default(),
             records: Vec::new(),
             parts: None,
@@ -79,8 +82,9 @@ impl<'r> Problem<'r> {
             own.any(|(own, _)| normal(own) == normal(name))
         };
         let common = self.request.set.iter().filter(|(name, _)| !is_own(name));
-        let settings: Vec<(String, f64)> = common.chain(&record.set).cloned().collect();
-        let system = self.file.with(&settings)?;
+        let settings = common.chain(&record.set);
+        let settings: Vec<(&str, f64)> = settings.map(|(name, value)| (&**name, *value)).collect();
+        let system = self.base.with_values(&settings)?;
         Ok(match &self.request.interrupt {
             Some(interrupt) => system.interrupted_by(interrupt.clone())?,
             None => system,

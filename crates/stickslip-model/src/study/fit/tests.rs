@@ -132,6 +132,25 @@ fn derivatives_of_residuals_are_differences_of_runs() {
 }
 
 #[test]
+fn records_and_parts_share_a_build() {
+    let builds = |records: u32| {
+        let mut request = request(&["mu", "x"]);
+        for k in 0..records {
+            let mut record = request.records[1].clone();
+            record.set = vec![("more".to_owned(), 0.31 + 0.01 * f64::from(k))];
+            request.records.push(record);
+        }
+        let problem = Problem::new(&request).unwrap();
+        problem.in_parts(&problem.unknowns.start(), 3).unwrap();
+        problem.base.builds()
+    };
+    // One with the parameter that is fitted, one without, and those of observables and starts.
+    let few = builds(0);
+    assert!((2..10).contains(&few), "{few}");
+    assert_eq!(builds(20), few);
+}
+
+#[test]
 fn a_part_without_a_run_is_named() {
     // From 10 on the state escapes within a tenth of the time unit.
     let text = "name = \"case\"\n[states]\nx = \"\"\n[parameters]\na = 1\n[field]\n\

@@ -1,0 +1,354 @@
+//! Values of parameters, periods and flags build nothing, and give what a build with them gives.
+
+use std::sync::Arc;
+
+use numerics::SplitMix;
+use stickslip::dynamics::{Interrupt, Modes, Moment, OrbitProgress, Vector};
+use stickslip::{Error, Mode, Side};
+use stickslip_model::file::{SettingError, System, SystemFile};
+use stickslip_model::kernel::{Combination, sides_to_check};
+use stickslip_model::study::ensemble::by_system;
+use stickslip_model::study::{AtValue, Diagram, FrictionWatch, Locates};
+
+use crate::recorded::open;
+use crate::run::{branch, options, parsed, system};
+
+/// Exponents, choices, inputs, a curve, a period and starts that depend on parameters.
+const EVERYTHING: &str = r#"
+name = "everything"
+[states]
+x = ""
+v = ""
+[discrete]
+n = 1
+[parameters]
+k = 1.3
+p = 2
+q = 1.5
+w = 2
+d = 0.3
+e = 0.8
+mu = 0.4
+fast = 0.5
+[definitions]
+slip = "belt*(v - 0.1*k)"
+root = "atan2(k, p)*hypot(k, q) + max(k, q) - min(p, q)^q + spring(k*p)"
+[curves.spring]
+points = [[0, 0], [1, 1.5], [3, 2]]
+beyond = "extend"
+[contacts.belt]
+boundary = "v - 0.1*k"
+friction = "mu/(1 + slip)^p + 0*k"
+static = "1.2*mu"
+[inputs.push]
+shape = "pulse"
+period = "2*pi/w"
+phase = "d/2"
+width = "d"
+[inputs.ramp]
+shape = "sawtooth"
+period = "k"
+[switches.turn]
+function = "sin(w*t) - e"
+[jumps.wall]
+when = "x - 2*q"
+if = "v > fast - k"
+set = { v = "-e*v", n = "if(k > 1, n + p, -n)" }
+[field]
+x = "v"
+v = "-k*x^p - x*abs(x)^q/q - root*spring(x*k) + push*d + ramp - turn*e - friction(belt)"
+[start]
+x = "k/p"
+v = "ln(w)"
+[time]
+start = "d - 0.1"
+end = "10*k"
+period = "2*pi/w"
+"#;
+
+/// A block between a wall and a floor, with friction in both contacts.
+const CORNER: &str = r#"
+name = "corner"
+[states]
+x = ""
+y = ""
+v = ""
+u = ""
+[parameters]
+F = 0.5
+w = 0.3
+mu = 0.2
+nu = 0.3
+e = 0.6
+m = 1.5
+[contacts.sole]
+boundary = "v"
+friction = "mu*floor.force"
+[contacts.side]
+boundary = "u"
+friction = "nu*wall.force"
+[stops.wall]
+gap = "0.5 - x"
+acts = { v = "-1/m" }
+restitution = "e"
+[stops.floor]
+gap = "y"
+acts = { u = "1/m" }
+restitution = "e^2"
+[field]
+x = "v"
+y = "u"
+v = "(F*cos(w*t) - friction(sole))/m"
+u = "-1 - friction(side)/m"
+[start]
+x = 0
+y = 1
+v = 0
+u = 0
+"#;
+
+/// Values by which builds decide.
+const SPECIAL: [f64; 9] = [0.0, 1.0, -1.0, 0.5, 2.0, 3.0, -2.0, 1.5, 1e308];
+
+fn settings(file: &SystemFile, random: &mut SplitMix) -> Vec<(String, f64)> {
+    let parameters = file.parameters.iter();
+    let drawn = parameters.map(|parameter| {
+        let value = match (random.uniform(), parameter.range) {
+            (part, _) if part < 0.4 => parameter.value,
+            (part, _) if part < 0.7 => SPECIAL[(random.uniform() * 9.0) as usize % 9],
+            (_, Some((low, high))) if low.is_finite() && high.is_finite() => {
+                random.between(low, high)
+            }
+            _ => parameter.value * random.between(0.5, 1.5),
+        };
+        (parameter.name.clone(), value)
+    });
+    drawn.collect()
+}
+
+/// Compares a system whose values were bound with one that was built with them.
+fn assert_same(bound: &System, built: &System) {
+    let (ones, others) = (&bound.built, &built.built);
+    let numbers = |of: &System| {
+        let (starts, times) = (of.built.starts.clone(), [of.built.t_start]);
+        let all = starts.into_iter().chain(times.map(Some));
+        let all = all.chain([of.built.t_end, of.built.period]);
+        all.map(|one| one.map(f64::to_bits)).collect::<Vec<_>>()
+    };
+    assert_eq!(numbers(bound), numbers(built));
+    for above in sides_to_check(bound.contacts()) {
+        for held in 0..1 << bound.contacts() {
+            let of = Combination { above, held };
+            assert_eq!(ones.fields.tape(of), others.fields.tape(of));
+        }
+    }
+    assert_eq!(ones.boundaries, others.boundaries);
+    assert_eq!(ones.normal_force, others.normal_force);
+    assert_eq!(ones.sections, others.sections);
+    assert_eq!(ones.switching, others.switching);
+    let decided = |of: &System| {
+        let built = &of.built;
+        [built.has_static, built.frictions_add, built.depends_on_time]
+    };
+    assert_eq!(decided(bound), decided(built));
+}
+
+/// The tapes, numbers and errors for other values are those of a build with these values, by every
+/// bit.
+#[test]
+fn values_give_what_a_build_with_them_gives() {
+    let shipped = ["belt", "forced", "bracket", "leine", "basins", "den-hartog"];
+    let shipped = shipped.map(|name| SystemFile::open(name).unwrap());
+    let texts = [EVERYTHING, CORNER].map(parsed);
+    let random = &mut SplitMix::new(7);
+    for file in shipped.iter().chain(&texts) {
+        let base = file.with(&[]).unwrap();
+        let (mut good, mut bad) = (0, 0);
+        for _ in 0..150 {
+            let settings = settings(file, random);
+            let pairs: Vec<(&str, f64)> = settings.iter().map(|(k, v)| (&**k, *v)).collect();
+            // A file that is not the same shares no build.
+            let mut fresh = file.clone();
+            fresh.description = Some("another file".to_owned());
+            match (base.with_values(&pairs), fresh.with(&settings)) {
+                (Ok(bound), Ok(built)) => {
+                    assert_eq!(built.builds(), 1);
+                    assert_same(&bound, &built);
+                    good += 1;
+                }
+                (Err(bound), Err(built)) => {
+                    assert_eq!(bound.to_string(), built.to_string());
+                    bad += 1;
+                }
+                _ => panic!("{}: {settings:?}", file.name),
+            }
+        }
+        assert!(good > 10, "{}: {good} systems, {bad} errors", file.name);
+    }
+}
+
+/// Other values share one build, except those by which it is decided.
+#[test]
+fn values_by_which_nothing_is_decided_share_a_build() {
+    for text in [EVERYTHING, CORNER] {
+        let system = system(text);
+        for parameter in &system.file.parameters {
+            for k in 0..20 {
+                let value = parameter.value * (1.003 + 0.001 * f64::from(k));
+                let there = system.with_values(&[(&parameter.name, value)]).unwrap();
+                assert_eq!(there.builds(), system.builds());
+            }
+        }
+        // Exponents cease to be integers.
+        assert!(system.builds() < 6, "{}", system.builds());
+    }
+    let system = system(EVERYTHING);
+    for (k, value) in [(1, 1.0), (2, 0.0), (2, 1.0), (2, 0.0)] {
+        system.with_values(&[("e", value)]).unwrap();
+        assert_eq!(system.builds(), 1 + k, "{value}");
+    }
+}
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+fn described(error: &Error, _: &System) -> String {
+    error.to_string()
+}
+
+#[test]
+fn a_diagram_of_many_values_builds_its_system_once() {
+    let system = open("belt");
+    let options = options("taylor");
+    let diagram = Diagram {
+        system: &system,
+        parameter: "vp",
+        until: 400.0,
+        duration: None,
+        locates: Locates::default(),
+        values: 200,
+        options: &options,
+    };
+    let mut last: Option<AtValue> = None;
+    for k in 0..200 {
+        let start = |here: &System| Ok::<_, Failure>(here.start().unwrap());
+        let value = 0.15 + 0.0005 * f64::from(k);
+        let found = diagram.at(value, last.as_ref(), start, &described);
+        let (at, changes) = found.unwrap();
+        assert!(
+            changes.is_empty() && at.reached.kind.is_attractor(),
+            "{value}"
+        );
+        last = Some(at);
+    }
+    assert_eq!(system.builds(), 1);
+}
+
+#[test]
+fn maps_ensembles_branches_and_flags_build_nothing() {
+    let system = open("belt");
+    let pair =
+        |x: f64, y: f64| system.with_values(&[("mu0", 0.3 + 0.001 * x), ("vp", 0.2 + 0.001 * y)]);
+    for (x, y) in (0..20).flat_map(|x| (0..20).map(move |y| (x, y))) {
+        pair(f64::from(x), f64::from(y)).unwrap();
+    }
+    let values: Vec<Vec<f64>> = (0..300).map(|k| vec![0.2 + 0.001 * f64::from(k)]).collect();
+    let block = |here: &System, numbers: &[usize]| {
+        Ok::<_, SettingError>(numbers.iter().map(|_| here.values.clone()).collect())
+    };
+    by_system(&system, &["vp".to_owned()], &values, block).unwrap();
+    let flagged = system.interrupted_by(Arc::default()).unwrap();
+    let flag = Arc::new(Interrupt::default());
+    pair(3.3, 4.4).unwrap().interrupted_by(flag).unwrap();
+    assert_eq!((system.builds(), flagged.builds()), (1, 1));
+    // The check of a file is its build.
+    let set = [("vp".to_owned(), 0.4)];
+    assert_eq!(system.file.with(&set).unwrap().builds(), 1);
+    // A branch has the parameter as a state, which is another build.
+    let found = branch(&system, ("vp", 0.9, 1.1), &options("taylor"));
+    assert!(found.points.len() > 5, "{}", found.points.len());
+    system.along(system.file.parameter("vp").unwrap()).unwrap();
+    assert_eq!(system.builds(), 2);
+}
+
+#[test]
+fn a_period_is_read_without_a_build() {
+    let system = system(EVERYTHING);
+    for w in [2.5, 1.1, 7.0] {
+        let built = system.with_values(&[("w", w)]).unwrap().built.period;
+        assert_eq!(system.period_with(&[("w", w)]).unwrap(), built);
+        assert!((built.unwrap() - 2.0 * std::f64::consts::PI / w).abs() < 1e-15);
+    }
+    assert_eq!(system.builds(), 1);
+    let error = system.period_with(&[("w", -1.0)]).unwrap_err().to_string();
+    assert!(error.contains("must be positive"), "{error}");
+}
+
+/// A gap's rate has a factor on each side of a contact. It is one rate while the two are equal.
+#[test]
+fn factors_that_are_equal_are_one_as_long_as_they_are() {
+    let text = r#"
+name = "sides"
+[states]
+x = ""
+v = ""
+u = ""
+[parameters]
+a = 2
+b = 2
+[contacts.belt]
+boundary = "u - 0.3"
+friction = 0.1
+[stops.wall]
+gap = "x"
+acts = { v = 1 }
+restitution = 0.5
+[field]
+x = "by_side(belt, a, b)*v"
+v = "-1"
+u = "-u - friction(belt)"
+"#;
+    let system = system(text);
+    let error = |a: f64, b: f64| system.with_values(&[("a", a), ("b", b)]).err();
+    assert!(error(3.0, 3.0).is_none());
+    assert_eq!(system.builds(), 1);
+    let error = error(3.0, 4.0).unwrap().to_string();
+    assert!(
+        error.contains("depends on the side of a contact"),
+        "{error}"
+    );
+}
+
+/// Friction laws, reactions and formulas beside a system are built once for all of its values.
+#[test]
+fn what_is_observed_is_built_once() {
+    let system = system(CORNER);
+    let observed = [("power", "m*wall.force*v"), ("height", "y/m")];
+    let modes = Modes::new(&[Mode::Slip(Side::Below), Mode::Slip(Side::Above)]);
+    let mut builds = Vec::new();
+    for k in 0..10 {
+        let m = 1.1 + 0.1 * f64::from(k);
+        let here = system.with_values(&[("m", m)]).unwrap();
+        let (x, closed) = ([0.5, 0.0, 0.0, 0.0], [1.0, 1.0]);
+        let x = [&x[..], &closed[..]].concat();
+        let values = here.quantities(&observed).unwrap().at(&modes, 0.0, &x);
+        // The wall carries the drive, and the floor the weight, of a mass each.
+        let wanted = [0.5, m];
+        assert!((values[0] - wanted[0]).abs() < 1e-12, "{values:?}");
+        assert!((values[1] - wanted[1]).abs() < 1e-12, "{values:?}");
+        assert_eq!(values[3], 0.0);
+        let formula = here.observed("x*F", &[0]).unwrap();
+        assert_eq!(formula.value(0.0, &[&x[..], &[3.0]].concat()), 1.5);
+        let mut watch = FrictionWatch::new(&here);
+        let x = Vector::from_column_slice(&[0.0, 1.0, 0.2, 0.1, 0.0, 0.0]);
+        let from = &Moment { t: 0.0, x };
+        let mut orbit = here
+            .dynamics()
+            .begin(from, 0.5, &options("dop853"), &[])
+            .unwrap();
+        while !matches!(orbit.step().unwrap(), OrbitProgress::End(_)) {
+            watch.step(&mut *orbit);
+        }
+        builds.push(system.builds());
+    }
+    assert!(builds[0] > 5 && builds[1..] == builds[..9], "{builds:?}");
+}
