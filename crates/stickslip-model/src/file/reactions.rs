@@ -123,7 +123,8 @@ impl System {
             let tape = tape(&self.file, &graph, &forces, inputs)?;
             Ok(TapeBuild::new(graph, tape))
         };
-        self.formula_tape(FormulaKey::FrictionForces(of), build).ok()
+        self.formula_tape(FormulaKey::FrictionForces(of), build)
+            .ok()
     }
 
     /// The tape of the reactions in a combination of sides; `None` if there is none.

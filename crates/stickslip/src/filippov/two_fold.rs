@@ -133,7 +133,7 @@ fn with_mode<S: Switched<N, G>, const N: usize, const G: usize>(
 }
 
 /// The motion of a slipping contact with respect to its boundary.
-struct MotionOfSide<'a, const N: usize>(usize, &'a Timed<N>, Tolerance);
+struct MotionOfSide<'a, const N: usize>(usize, &'a Timed<N>, Tolerance<N>);
 
 struct SideMotion<const N: usize> {
     velocity: State<N>,
