@@ -77,7 +77,7 @@ y = -0.3
 w = 0.4
 "#;
 
-fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> OrbitDerivatives {
+pub fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> OrbitDerivatives {
     let variables = Variables::named(system, names.iter().copied()).unwrap();
     let (t, x) = (system.built.t_start, system.start().unwrap());
     let t_end = *times.last().unwrap();

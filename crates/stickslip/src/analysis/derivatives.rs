@@ -1,6 +1,7 @@
 //! Derivatives of an orbit and of the times of its events.
 
 use super::cycle::SegmentEnd;
+use super::instant::LastEvent;
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
@@ -191,6 +192,7 @@ pub fn orbit_derivatives_of(
         tangent: Tangent::new(system, options),
         before: Vec::new(),
         columns: columns_at_start(system, &*orbit, &start, of.by)?,
+        last: LastEvent::none(),
         sections,
         found: OrbitDerivatives {
             states: Vec::with_capacity(times.len()),
@@ -315,6 +317,7 @@ struct OrbitTangents<'a> {
     /// Tangent vectors at the start of the last step; `columns` are the present ones.
     before: Vec<Vector>,
     columns: Vec<Vector>,
+    last: LastEvent,
     sections: &'a [Section],
     found: OrbitDerivatives,
 }
@@ -350,7 +353,8 @@ impl OrbitTangents<'_> {
         let system = self.tangent.system;
         let here = at.moment();
         let velocity = velocity_in(system, at.from, &here);
-        let end = SegmentEnd::of(system, at);
+        let cause = self.last.cause_of(system, at);
+        let end = SegmentEnd::of(system, at, cause);
         let mut rests = false;
         let (gradient, in_time) = match end.at_kink {
             Some((input, _)) => {
@@ -377,7 +381,7 @@ impl OrbitTangents<'_> {
         let jump = match at.kind {
             TransitionKind::Touch => Err(singular(at.t, &at.x)),
             _ if is_of_boundary && is_graze() => Err(singular(at.t, &at.x)),
-            _ => self.tangent.jump(at),
+            _ => self.tangent.jump(at, cause),
         };
         let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
         let jump = match jump {

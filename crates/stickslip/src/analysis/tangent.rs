@@ -1,5 +1,6 @@
 //! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
+use super::instant::Cause;
 use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
@@ -87,9 +88,12 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
     /// [`Error::ChainedJumps`].
-    fn reset(&self, at: &Transition) -> Result<Saltation, Error> {
+    fn reset(&self, at: &Transition, kink: Option<usize>) -> Result<Saltation, Error> {
         let here = at.moment();
-        let reset = self.system.reset(at.contact, &here);
+        let mut reset = self.system.reset(at.contact, &here);
+        if let Some(input) = kink {
+            (_, reset.gradient, reset.in_time) = self.system.clock(input, &here);
+        }
         let after_jump = Moment {
             t: at.t,
             x: reset.after,
@@ -103,7 +107,7 @@ impl<'a> Tangent<'a> {
         let size = reset.gradient.abs().dot(&at.x.abs()) + in_time + rate.abs();
         // Where impacts accumulate, all parts are small; the state is known to the tolerance.
         let located = EVENT_PRECISION * reset.gradient.abs().sum();
-        let is_triggered = self.system.kink(&here).is_none()
+        let is_triggered = kink.is_none()
             && !reset.lands
             && reset.value.abs() > self.carrying.tolerance * (size + located);
         if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
@@ -157,12 +161,16 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
     /// perturbation decides which comes first.
-    pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Saltation>, Error> {
+    pub(crate) fn jump(
+        &self,
+        at: &Transition,
+        Cause { kink }: Cause,
+    ) -> Result<Option<Saltation>, Error> {
         if at.kind == TransitionKind::Jump {
-            return self.reset(at).map(Some);
+            return self.reset(at, kink).map(Some);
         }
         let here = at.moment();
-        if let Some(input) = self.system.kink(&here) {
+        if let Some(input) = kink {
             return Ok(self.change_at_kink(at, input));
         }
         let Some(guard) = self.system.discontinuity_guard(at) else {
@@ -241,7 +249,8 @@ mod tests {
         };
         let jump = |friction: f64| {
             let block = Block { friction };
-            let jump = Tangent::new(&*block.dynamics(), &Options::default()).jump(&entry);
+            let jump = Tangent::new(&*block.dynamics(), &Options::default())
+                .jump(&entry, Cause { kink: None });
             jump.unwrap()
         };
         assert_eq!(jump(0.4).unwrap().matrix.determinant(), 0.0);
