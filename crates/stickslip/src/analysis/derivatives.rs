@@ -381,7 +381,7 @@ impl OrbitTangents<'_> {
         let jump = match at.kind {
             TransitionKind::Touch => Err(singular(at.t, &at.x)),
             _ if is_of_boundary && is_graze() => Err(singular(at.t, &at.x)),
-            _ => self.tangent.jump(at, cause),
+            _ => self.tangent.passed(at, cause, &self.columns),
         };
         let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
         let jump = match jump {

@@ -16,6 +16,8 @@ pub(crate) struct Cause {
     /// The input whose kink decides it. Without one, it is the event's own function, or an event
     /// before it in the same instant.
     pub kink: Option<usize>,
+    /// Whether no other event comes before it in the same instant.
+    pub is_first: bool,
 }
 
 impl LastEvent {
@@ -33,7 +35,10 @@ impl LastEvent {
         let earlier = self.kink.filter(|_| !is_first);
         self.t = at.t;
         self.kink = deciding_kink(system, at, earlier);
-        Cause { kink: self.kink }
+        Cause {
+            kink: self.kink,
+            is_first,
+        }
     }
 }
 
@@ -77,6 +82,7 @@ pub(super) fn is_of_contact(kind: TransitionKind) -> bool {
 }
 
 /// A function of an event at a moment, with its rate along the motion to it.
+#[derive(Clone)]
 pub(super) struct Zero {
     pub value: f64,
     pub rate: f64,
@@ -132,6 +138,13 @@ impl Zero {
             rounding: [of_value, of_rate].map(|size| RELATIVE_ROUNDING * size),
             t: at.t,
         }
+    }
+
+    /// The function, of which the time of its zero is known up to `late`.
+    pub fn later(&self, late: f64) -> Self {
+        let mut later = self.clone();
+        later.rounding[0] += self.rate.abs() * late;
+        later
     }
 
     /// Whether the function vanishes at the instant, to rounding.

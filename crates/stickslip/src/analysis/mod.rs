@@ -19,6 +19,7 @@ mod passages;
 mod periodic;
 mod periodic_derivatives;
 mod poincare;
+mod simultaneous;
 mod stability;
 mod tangent;
 

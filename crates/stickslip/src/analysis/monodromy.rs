@@ -197,7 +197,7 @@ impl TangentMap {
         at: &Transition,
     ) -> Result<(), Error> {
         let cause = self.last.cause_of(tangent.system, at);
-        let Some(jump) = tangent.jump(at, cause)? else {
+        let Some(jump) = tangent.passed(at, cause, &self.columns)? else {
             return Ok(());
         };
         let enters = at.kind == TransitionKind::StickEntry;

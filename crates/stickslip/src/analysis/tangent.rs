@@ -1,6 +1,7 @@
 //! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
 use super::instant::Cause;
+use super::simultaneous::check_order;
 use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
@@ -153,6 +154,29 @@ impl<'a> Tangent<'a> {
         })
     }
 
+    /// The effect of a transition on vectors, as [`Tangent::jump`] gives it, where other events at
+    /// its instant may come before it or after it: see [`check_order`].
+    ///
+    /// # Errors
+    /// Those of [`Tangent::jump`]; [`Error::SimultaneousEvents`].
+    pub(crate) fn passed(
+        &self,
+        at: &Transition,
+        cause: Cause,
+        columns: &[Vector],
+    ) -> Result<Option<Saltation>, Error> {
+        let joint = check_order(self.system, at, cause, columns)?;
+        let jump = self.jump(at, cause)?;
+        Ok(match (joint, jump) {
+            (Some(matrix), Some(jump)) => Some(Saltation {
+                determinant: matrix.determinant(),
+                matrix,
+                ..jump
+            }),
+            (_, jump) => jump,
+        })
+    }
+
     /// The effect of the transition, or `None` where it changes no vector. Those are the exit from
     /// stick, a touch, contact lost or gained, and a contact whose two fields agree (friction
     /// without normal force). There the limit of the saltation matrix is the identity, though its
@@ -161,11 +185,7 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
     /// perturbation decides which comes first.
-    pub(crate) fn jump(
-        &self,
-        at: &Transition,
-        Cause { kink }: Cause,
-    ) -> Result<Option<Saltation>, Error> {
+    fn jump(&self, at: &Transition, Cause { kink, .. }: Cause) -> Result<Option<Saltation>, Error> {
         if at.kind == TransitionKind::Jump {
             return self.reset(at, kink).map(Some);
         }
@@ -215,6 +235,7 @@ pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::instant::LastEvent;
     use super::*;
     use crate::dynamics::AsDynamics;
     use crate::filippov::Method;
@@ -249,8 +270,10 @@ mod tests {
         };
         let jump = |friction: f64| {
             let block = Block { friction };
-            let jump = Tangent::new(&*block.dynamics(), &Options::default())
-                .jump(&entry, Cause { kink: None });
+            let jump = Tangent::new(&*block.dynamics(), &Options::default()).jump(
+                &entry,
+                LastEvent::none().cause_of(&*block.dynamics(), &entry),
+            );
             jump.unwrap()
         };
         assert_eq!(jump(0.4).unwrap().matrix.determinant(), 0.0);

@@ -26,7 +26,7 @@ pub(crate) struct SegmentEnd {
 
 impl SegmentEnd {
     /// The event at a transition.
-    pub fn of(system: &dyn Dynamics, at: &Transition, Cause { kink }: Cause) -> Self {
+    pub fn of(system: &dyn Dynamics, at: &Transition, Cause { kink, .. }: Cause) -> Self {
         let here = at.moment();
         let guard = guard_of(system, at, here.t);
         SegmentEnd {

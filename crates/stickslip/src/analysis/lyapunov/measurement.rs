@@ -415,7 +415,8 @@ impl Measurement<'_> {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let cause = self.last.cause_of(self.tangent.system, at);
-        let Some(jump) = self.tangent.jump(at, cause)? else {
+        let columns = self.frame.columns_mut();
+        let Some(jump) = self.tangent.passed(at, cause, columns)? else {
             return Ok(());
         };
         let passed = if enters {
