@@ -307,6 +307,25 @@ fn where_there_is_none_it_is_said() {
         matches!(error, DerivativeError::OtherPeriod { .. }),
         "{error}"
     );
+    // A square of another period moves its kinks by little, which samples of the field miss.
+    let squared = system(
+        "name = \"case\"\n[time]\nperiod = 2\n[states]\nx = \"\"\n[parameters]\no = 1\na = 1\n\
+         [inputs.u]\nshape = \"square\"\nperiod = \"2/o\"\n[field]\nx = \"-x + a*u\"\n\
+         [start]\nx = 0\n",
+    );
+    let forced = orbit_from(&squared, 0.0, &search, &options);
+    let of = |name: &str| {
+        let variables = OrbitVariables::named(&squared, [name]).unwrap();
+        variables.of_orbit(&squared, (&forced, 0.0), &options)
+    };
+    let error = of("o").unwrap_err();
+    assert!(
+        matches!(error, DerivativeError::OtherPeriod { .. }),
+        "{error}"
+    );
+    // The extremes are ±a tanh(1/2).
+    let by_strength = of("a").unwrap().orbit.extremes[0][1].by[0];
+    close(by_strength, stickslip::math::tanh(0.5), 1e-9, "a");
     // An undamped oscillator has a family of orbits.
     let spring = system(
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = 2\n[field]\nx = \"v\"\n\
