@@ -177,6 +177,8 @@ class FitResult(Result):
         Why there is no standard error at all.
     bend : float or None
         Distance from the linear model within a standard error, relative to the change.
+    doubtful : bool
+        Whether that distance is so large that the intervals are doubtful.
     t, data, model, residuals : list of dict of ndarray
         For each record, its times, and by column the data, the model and data minus model.
     rms, sigma, p_values : list of dict of float
@@ -196,6 +198,8 @@ class FitResult(Result):
     end : str
         "cost", "step", "gradient", "change" (of phases, at the minimum), "evaluations" or
         "notfinite".
+    ending : str
+        That end in words.
     work : (int, int, int)
         Steps, runs, and runs that failed.
     changes : (int, int)
@@ -215,6 +219,7 @@ class FitResult(Result):
     undetermined: list[list[tuple[str, float]]]
     no_errors: str | None
     bend: float | None
+    doubtful: bool
     t: list[Floats]
     data: list[dict[str, Floats]]
     model: list[dict[str, Floats]]
@@ -228,6 +233,7 @@ class FitResult(Result):
     freedom: int
     success: bool
     end: str
+    ending: str
     work: tuple[int, int, int]
     changes: tuple[int, int]
     others: list[tuple[list[float], float]]
@@ -282,12 +288,33 @@ class FitResult(Result):
             rows.append(f"  not determined: relative changes of {parts}")
         if self.no_errors is not None:
             rows.append(f"  no standard errors: {self.no_errors}")
+        elif self.doubtful and self.bend is not None:
+            rows.append(
+                "  errors doubtful: within one of them the model departs from a linear one by "
+                f"{100 * self.bend:.0f} %"
+            )
         for number, of_record in enumerate(self.p_values):
             for name, p_value in of_record.items():
                 rms = self.rms[number][name]
                 rest = f"a systematic remainder, p = {p_value:.0e}" if p_value < 0.01 else ""
                 rows.append(f"  {name} of record {number + 1}: rms {rms:.3e} {rest}".rstrip())
-        return "\n".join([f"FitResult of {self.system.name or 'a system'}:", *rows])
+        for values, cost in self.others:
+            pairs = (f"{name} = {value:.8g}" for name, value in zip(self.names, values))
+            rows.append(f"  another minimum: {', '.join(pairs)}, cost {cost:.4e}")
+        steps, runs, failed = self.work
+        rows.append(f"  {self.ending}: {steps} steps, {runs} runs, {failed} of which failed")
+        if any(self.changes):
+            crossings, jumps = self.changes
+            rows.append(
+                f"  the sequence of phases changed in {crossings} steps; the residuals jumped at "
+                f"{jumps} changes"
+            )
+        if self.mismatch is not None:
+            rows.append(
+                f"  no single orbit follows the record; mismatch {self.mismatch:.0e} of the spread"
+            )
+        found = "" if self.success else ", no minimum"
+        return "\n".join([f"FitResult of {self.system.name or 'a system'}{found}:", *rows])
 
     def plot(self, record: int = 0, axes: Any = None) -> Any:
         """Draws data, model and residuals of a record, with the sticks behind them.

@@ -1,5 +1,7 @@
 """Fits: truth from records of exact runs, SciPy's least squares, refusals."""
 
+from dataclasses import replace
+
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
@@ -90,6 +92,24 @@ def test_offsets_missing_values_and_several_records():
     assert len(axes) == 2
     told = repr(found)
     assert "off@1" in told and "±" in told and "rms" in told
+
+
+def test_a_fit_prints_what_the_program_prints():
+    found = ss.fit(BLOCK, record(seed=1), [mu, fall], {"x": x}, most_runs=2)
+    assert not found.success and found.ending == "not converged"
+    told = repr(found)
+    assert ", no minimum:" in told and "not converged: " in told
+    assert not found.doubtful and "doubtful" not in told and "mismatch" not in told
+    more = {"no_errors": None, "bend": 0.42, "doubtful": True, "mismatch": 2e-3}
+    found = replace(found, **more, changes=(2, 1), others=[([0.4, 0.9], 3.0)])
+    told = repr(found)
+    for words in (
+        "errors doubtful: within one of them the model departs from a linear one by 42 %",
+        "another minimum: mu = 0.4, fall = 0.9, cost 3.0000e+00",
+        "changed in 2 steps; the residuals jumped at 1 changes",
+        "mismatch 2e-03 of the spread",
+    ):
+        assert words in told, told
 
 
 def test_what_cannot_be_fitted_is_refused():

@@ -471,6 +471,18 @@ pub enum Error {
         /// The second jump; the jumps are counted after the contacts.
         jump: usize,
     },
+    /// Two events come at one instant, and what follows depends on their order.
+    #[error(
+        "two events come at one instant, t = {t}, x = {x}, and their order decides what follows: \
+            the flow has no derivative there; change the start, the time of an input or a \
+            parameter a little", t = readable(*t)
+    )]
+    SimultaneousEvents {
+        /// Time.
+        t: f64,
+        /// State before them.
+        x: Point,
+    },
     /// A failure of an earlier run, in the words that were recorded of it.
     #[error("{words}")]
     Recorded {
@@ -557,6 +569,7 @@ impl Error {
             | Error::NoUniqueFuture { t, x }
             | Error::Shrunk { t, x }
             | Error::ChainedJumps { t, x, .. }
+            | Error::SimultaneousEvents { t, x }
             | Error::TangentSingular { t, x } => Some((t, x)),
             _ => None,
         }

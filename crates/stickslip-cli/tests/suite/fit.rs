@@ -190,7 +190,7 @@ fn what_is_wrong_is_told_with_the_remedy() {
         (
             vec!["--fit", "mu0", x[0], x[1], "--set-in", "2:vp=1"],
             2,
-            "a record from 1 to 1",
+            "a record from 1 to 1 stands in front, as in 1:vp=1",
         ),
         (
             vec!["--fit", "idle,mu0", x[0], x[1], "--extra", "idle=1"],

@@ -425,6 +425,20 @@ impl System {
         }))
     }
 
+    /// Whether each input that repeats does so after the period of the file, as far as its clock
+    /// tells. A kink that is moved by little is between most samples of the field.
+    pub(crate) fn inputs_repeat(&self) -> bool {
+        let Some(period) = self.built.period else {
+            return true;
+        };
+        let x = self.start().unwrap_or_else(|| vec![0.0; self.states()]);
+        let mut inputs = self.built.switching.inputs.iter();
+        inputs.all(|input| {
+            let turns = input.turns(self.built.t_start, period, &x);
+            turns.is_none_or(|turns| (turns - turns.round()).abs() <= PERIOD_TOLERANCE)
+        })
+    }
+
     /// States around the start, or around zero.
     fn probes(&self) -> Vec<Vec<f64>> {
         let random = &mut SplitMix::new(1);

@@ -103,6 +103,16 @@ impl Input {
         (re, eps)
     }
 
+    /// How often an input repeats within a span from a time; `None` for one that does not.
+    pub fn turns(&self, t: f64, span: f64, x: &[f64]) -> Option<f64> {
+        match self.shape {
+            Shape::Repeated(_) | Shape::Pulse(_) => {
+                Some(self.reading(t + span, x) - self.reading(t, x))
+            }
+            Shape::Once(_) | Shape::Sign => None,
+        }
+    }
+
     /// The clock at a time, plus its rounding error, so that a kink at that time counts as passed.
     fn rounded_up(&self, t: f64, x: &[f64]) -> f64 {
         let reading = self.reading(t, x);

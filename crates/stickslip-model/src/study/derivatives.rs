@@ -74,6 +74,11 @@ impl Variables {
         };
         for name in names {
             let by = match system.file.names.get(name) {
+                _ if name.is_empty() => {
+                    return Err(NoVariable(
+                        "a name is empty: name parameters, states or t0".to_owned(),
+                    ));
+                }
                 _ if variables.names.iter().any(|known| known == name) => {
                     return Err(NoVariable(format!("`{name}` is given twice")));
                 }
@@ -143,6 +148,8 @@ impl Variables {
         for event in found.transitions.iter_mut().chain(passages) {
             states(&mut event.before);
             states(&mut event.after);
+            let point = |of: &mut Vector| *of = of.rows(0, system.states()).into_owned();
+            event.points.iter_mut().for_each(point);
         }
         Ok(found)
     }
@@ -180,6 +187,7 @@ impl Variables {
             let nothing = EventDerivatives {
                 at: t,
                 t: vec![f64::NAN; self.names.len()],
+                points: [(); 2].map(|()| Vector::repeat(system.states(), f64::NAN)),
                 before: none.clone(),
                 after: none.clone(),
             };

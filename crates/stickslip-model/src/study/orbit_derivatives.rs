@@ -201,9 +201,13 @@ fn check_drive(system: &System, name: &str) -> Result<(), DerivativeError> {
     let beside = value + STEP * if value == 0.0 { 1.0 } else { value };
     // Beyond the range of the parameter nothing is known.
     match system.with_values(&[(name, beside)]) {
-        Ok(other) if other.is_periodic() == Some(false) => Err(DerivativeError::OtherPeriod {
-            name: name.to_owned(),
-        }),
+        Ok(other)
+            if other.is_periodic() == Some(false)
+                || system.inputs_repeat() && !other.inputs_repeat() =>
+        {
+            let name = name.to_owned();
+            Err(DerivativeError::OtherPeriod { name })
+        }
         _ => Ok(()),
     }
 }

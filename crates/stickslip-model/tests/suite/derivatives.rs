@@ -77,7 +77,7 @@ y = -0.3
 w = 0.4
 "#;
 
-fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> OrbitDerivatives {
+pub fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> OrbitDerivatives {
     let variables = Variables::named(system, names.iter().copied()).unwrap();
     let (t, x) = (system.built.t_start, system.start().unwrap());
     let t_end = *times.last().unwrap();
@@ -314,6 +314,7 @@ fn where_there_is_none_or_the_name_is_wrong_it_is_said() {
     assert!(lost.states[1].iter().all(|of| of.is_nan()));
     let driven = system(DRIVEN);
     for (name, said) in [
+        ("", "a name is empty"),
         ("spede", "did you mean `speed`?"),
         ("belt", "neither a parameter nor a state"),
     ] {
@@ -327,6 +328,40 @@ fn where_there_is_none_or_the_name_is_wrong_it_is_said() {
     assert!(counted.contains("a discrete state"), "{counted}");
     let twice = Variables::named(&driven, ["x", "x"]).unwrap_err();
     assert_eq!(twice.to_string(), "`x` is given twice");
+}
+
+/// A ball that rises to 4 and turns there: whether it passes is rounding, and so is what follows.
+#[test]
+fn a_turn_exactly_at_a_boundary_or_a_jump_is_a_graze() {
+    let text = |event: &str, rate: &str| {
+        system(&format!(
+            "name = \"graze\"\n[states]\nh = \"\"\nw = \"\"\n{event}\n[field]\nh = \"w\"\n\
+             w = \"{rate}\"\n[start]\nh = 0\nw = 8\n[time]\nend = 1.5\n"
+        ))
+    };
+    let boundary = text("[contacts.c]\nboundary = \"h - 4\"", "by_side(c, -8, -10)");
+    let jump = text(
+        "[jumps.c]\nwhen = \"h - 4\"\ndirection = \"rising\"\nset = { w = \"-w\" }",
+        "-8",
+    );
+    for method in METHODS {
+        for graze in [&boundary, &jump] {
+            let lost = found(graze, &["h", "w"], &[0.7, 1.3], method);
+            let Some(Error::TangentSingular { t, .. }) = lost.lost else {
+                panic!("{method}: {:?}", lost.lost);
+            };
+            assert!((t - 1.0).abs() < 1e-6, "{t}");
+            assert!(lost.states[0].iter().all(|of| of.is_finite()));
+            assert!(lost.states[1].iter().all(|of| of.is_nan()));
+        }
+        // Below by more than the tolerance, there is nothing.
+        let below = text(
+            "[contacts.c]\nboundary = \"h - 4.000001\"",
+            "by_side(c, -8, -10)",
+        );
+        let below = found(&below, &["h", "w"], &[0.7, 1.3], method);
+        assert!(below.lost.is_none() && (below.states[1][(0, 1)] - 1.3).abs() < 1e-12);
+    }
 }
 
 /// A block at rest is released by an input: at its kink the mode changes, and a parameter moves the

@@ -409,6 +409,46 @@ fn a_static_limit_that_may_not_be_reached_has_no_standard_error() {
     assert!(without >= 4, "{without}");
 }
 
+/// A ball that bounces at 1, 2 and 2.5, as the truth has it, and data at these times: the residual
+/// of the velocity jumps as a bounce passes its time.
+#[test]
+fn where_an_event_passes_a_data_time_there_is_no_standard_error() {
+    let file = parsed(
+        "name = \"ball\"\n[states]\nh = \"\"\nw = \"\"\n[parameters]\ng = 10\ne = 0.5\n\
+         [jumps.b]\nwhen = \"h\"\ndirection = \"falling\"\nset = { w = \"-e*w\" }\n\
+         [field]\nh = \"w\"\nw = \"-g\"\n[start]\nh = 5\nw = 0\n",
+    );
+    let fitted = |times: &[f64], formulas: &[&str], start: [f64; 2]| {
+        let signal = exact(&file, formulas, times);
+        let of = |name: &str, start: f64| unknown(name, Some(start));
+        let unknowns = vec![of("g", start[0]), of("e", start[1]), of("h", 5.0)];
+        let observed = formulas.iter().map(|one| observable(one, Some(0.01)));
+        let mut request = request(file.clone(), unknowns, observed.collect());
+        request.records.push(record(times, noisy(&signal, 0.01, 3)));
+        fit(&request).unwrap()
+    };
+    let at_bounces: Vec<f64> = (1..30).map(|k| 0.1 * f64::from(k)).collect();
+    let found = fitted(&at_bounces, &["h", "w"], [9.9, 0.51]);
+    let none = found.uncertainty.none.unwrap_or_default();
+    assert!(
+        none.contains("passes a data time"),
+        "{none} {:?}",
+        found.values
+    );
+    assert!(found.values.iter().all(|one| one.std_error.is_none()));
+    // Bounces between the times of the data move no residual by a jump.
+    let apart: Vec<f64> = at_bounces.iter().map(|t| t - 0.04).collect();
+    for formulas in [&["h", "w"][..], &["h"]] {
+        let found = fitted(&apart, formulas, [9.99, 0.501]);
+        assert_eq!(found.uncertainty.none, None, "{:?}", found.values);
+        let truth = [10.0, 0.5, 5.0];
+        for (one, truth) in found.values.iter().zip(truth) {
+            let error = one.std_error.unwrap();
+            assert!((one.value - truth).abs() < 4.0 * error, "{one:?}");
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_fitted_is_refused_with_the_remedy() {
     let file = parsed(BELT);

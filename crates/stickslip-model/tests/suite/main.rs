@@ -33,6 +33,7 @@ mod references;
 mod resume;
 mod run;
 mod side_by_side;
+mod simultaneous;
 mod sizes;
 mod special_orbits;
 mod stops;

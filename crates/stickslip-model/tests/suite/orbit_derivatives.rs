@@ -240,15 +240,19 @@ fn derivatives_are_differences_of_orbits_on_shipped_systems() {
 
 #[test]
 fn derivatives_of_an_orbit_with_impacts_are_differences() {
-    let system = system(
-        "name = \"impacts\"\n[time]\nperiod = \"2*pi/O\"\n[states]\nx = \"\"\nv = \"\"\n\
+    let text = "name = \"impacts\"\n[time]\nperiod = \"2*pi/O\"\n[states]\nx = \"\"\nv = \"\"\n\
          [parameters]\nwall = 0.6\ne = 0.6\nO = 1.9\n[jumps.stop]\nwhen = \"x - wall\"\n\
          direction = \"rising\"\nset = { v = \"-e*v\" }\n[field]\nx = \"v\"\n\
-         v = \"-2*x - 0.3*v + 2*cos(O*t)\"\n[start]\nx = 0\nv = 0.3\n",
-    );
+         v = \"-2*x - 0.3*v + 2*cos(O*t)\"\n[start]\nx = 0\nv = 0.3\n";
+    // A condition that each impact fulfils changes nothing.
+    let gated = text.replace("[jumps.stop]\n", "[jumps.stop]\nif = \"v > 0.001\"\n");
+    let (system, gated) = (system(text), system(&gated));
     for options in methods() {
         let orbit = orbit(&system, &options);
+        let same = self::orbit(&gated, &options);
+        assert_eq!((&orbit.x, &orbit.monodromy), (&same.x, &same.monodromy));
         compare(&system, &["wall", "e", "O"], &orbit, &options);
+        compare(&gated, &["wall"], &same, &options);
         let found = slopes(&system, &["wall"], &orbit, &options);
         // The largest displacement is that of the wall.
         close(found.orbit.extremes[0][1].by[0], 1.0, 1e-12, "wall");
@@ -303,6 +307,25 @@ fn where_there_is_none_it_is_said() {
         matches!(error, DerivativeError::OtherPeriod { .. }),
         "{error}"
     );
+    // A square of another period moves its kinks by little, which samples of the field miss.
+    let squared = system(
+        "name = \"case\"\n[time]\nperiod = 2\n[states]\nx = \"\"\n[parameters]\no = 1\na = 1\n\
+         [inputs.u]\nshape = \"square\"\nperiod = \"2/o\"\n[field]\nx = \"-x + a*u\"\n\
+         [start]\nx = 0\n",
+    );
+    let forced = orbit_from(&squared, 0.0, &search, &options);
+    let of = |name: &str| {
+        let variables = OrbitVariables::named(&squared, [name]).unwrap();
+        variables.of_orbit(&squared, (&forced, 0.0), &options)
+    };
+    let error = of("o").unwrap_err();
+    assert!(
+        matches!(error, DerivativeError::OtherPeriod { .. }),
+        "{error}"
+    );
+    // The extremes are ±a tanh(1/2).
+    let by_strength = of("a").unwrap().orbit.extremes[0][1].by[0];
+    close(by_strength, stickslip::math::tanh(0.5), 1e-9, "a");
     // An undamped oscillator has a family of orbits.
     let spring = system(
         "name = \"case\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = 2\n[field]\nx = \"v\"\n\

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use stickslip::analysis::{LeastSquaresEnd, Loss};
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::study::fit::{
-    Fit, FitError, FitRequest, Observable, Record, Unknown, fit as fitted,
+    Fit, FitError, FitRequest, Observable, Record, Unknown, ending, fit as fitted,
 };
 
 use crate::errors::{computation, failed, words, wrong};
@@ -158,6 +158,7 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
     fields.put("undetermined", fit.uncertainty.undetermined.clone())?;
     fields.put("no_errors", fit.uncertainty.none)?;
     fields.put("bend", fit.uncertainty.bend)?;
+    fields.put("doubtful", fit.uncertainty.is_doubtful())?;
     fields.texts("records", fit.columns.iter().map(|one| one.record))?;
     fields.texts("observables", fit.columns.iter().map(|one| one.observable))?;
     let columns = || fit.columns.iter();
@@ -180,6 +181,7 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
     let failed = [LeastSquaresEnd::Evaluations, LeastSquaresEnd::NotFinite];
     fields.put("success", !failed.contains(&fit.end))?;
     fields.put("end", format!("{:?}", fit.end).to_lowercase())?;
+    fields.put("ending", ending(fit.end))?;
     fields.put("work", (fit.steps, fit.evaluations, fit.failures))?;
     fields.put("changes", (fit.crossings, fit.jumps))?;
     let others = fit.others.iter().map(|one| (one.values.clone(), one.cost));

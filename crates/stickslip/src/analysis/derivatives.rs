@@ -1,14 +1,18 @@
 //! Derivatives of an orbit and of the times of its events.
 
+use numerics::bisect;
+
 use super::cycle::SegmentEnd;
+use super::instant::LastEvent;
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage,
-    Section, Step, Transition, Vector,
+    AsDynamics, Components, Dynamics, Guard, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
+    Passage, Section, Step, Transition, Vector,
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
+use crate::system::Mode;
 
 /// Quantities by which an orbit is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +30,8 @@ pub struct EventDerivatives {
     pub at: f64,
     /// Derivatives of the event's time.
     pub t: Vec<f64>,
+    /// The state before the event and after it: another one at a jump.
+    pub points: [Vector; 2],
     /// Derivatives of the state before the event.
     pub before: Matrix,
     /// Derivatives of the state after the event: another state at a jump.
@@ -191,6 +197,7 @@ pub fn orbit_derivatives_of(
         tangent: Tangent::new(system, options),
         before: Vec::new(),
         columns: columns_at_start(system, &*orbit, &start, of.by)?,
+        last: LastEvent::none(),
         sections,
         found: OrbitDerivatives {
             states: Vec::with_capacity(times.len()),
@@ -220,18 +227,30 @@ pub fn orbit_derivatives_of(
                 }
                 (phase.1, phase.2) = (step.t_end.min(until), step.mode);
                 carried.before = std::mem::take(&mut carried.columns);
-                if times.peek().is_some_and(|t| *t < step.t_end) {
+                let turning = turning_guards(system, &step);
+                let mut graze = None;
+                if !turning.is_empty() || times.peek().is_some_and(|t| *t < step.t_end) {
                     let (mut rest, solution) = (step.clone(), orbit.solution());
+                    let moment = |t: f64| Moment {
+                        t,
+                        x: of.extend(solution(t)),
+                    };
+                    graze = graze_in(&carried.tangent, &turning, &step, &moment);
                     carried.columns.clone_from(&carried.before);
                     while let Some(t) = times.next_if(|t| *t < step.t_end) {
-                        let x = of.extend(solution(t));
-                        let part = rest.cut(&Moment { t, x });
+                        if let Some(at) = graze.take_if(|at| at.t <= t) {
+                            carried.lose(singular(at.t, &at.x));
+                        }
+                        let part = rest.cut(&moment(t));
                         carried.columns = carried.tangent.carried(&part, &carried.columns);
                         carried.state(part.x_end);
                     }
                 }
                 // Requested times do not affect the derivatives after them.
                 carried.columns = carried.tangent.carried(&step, &carried.before);
+                if let Some(at) = graze {
+                    carried.lose(singular(at.t, &at.x));
+                }
                 if times.next_if(|t| *t <= step.t_end).is_some() {
                     carried.state(step.x_end.clone());
                 }
@@ -309,12 +328,56 @@ fn columns_at_start(
     by.iter().map(column).collect()
 }
 
+/// The distances of contacts from their boundaries, and the functions of jumps, that turn back from
+/// falling to rising over a step.
+fn turning_guards(system: &dyn Dynamics, step: &Step) -> Vec<usize> {
+    let flow = system.flow(step.mode, &step.start());
+    let own = |guard: &Guard| match guard.is_of_jump {
+        // A stop that a gap touches at zero rate gives no impulse.
+        true => guard.is_watched && !guard.is_condition,
+        false => !guard.goes_on && step.mode.get(guard.contact) != Mode::Stick,
+    };
+    let guards = flow.guards().into_iter().filter(own);
+    let numbers = guards.map(|guard| guard.number);
+    let rate = |guard: usize, at: &Moment| flow.guard_jet(guard, at)[1];
+    numbers
+        .filter(|&one| rate(one, &step.start()) < 0.0 && rate(one, &step.end()) > 0.0)
+        .collect()
+}
+
+/// The place in a step at which one of these guards turns back from zero: within the tolerance of
+/// the state it passes through as well. A run reports nothing there if it does not pass.
+fn graze_in(
+    tangent: &Tangent<'_>,
+    guards: &[usize],
+    step: &Step,
+    moment: &dyn Fn(f64) -> Moment,
+) -> Option<Moment> {
+    let flow = tangent.system.flow(step.mode, &step.start());
+    let is_zero = |guard: usize, at: &Moment| {
+        let (gradient, _) = flow.guard_gradient(guard, at);
+        let size = gradient.abs().dot(&at.x.abs()) + gradient.abs().sum();
+        flow.guard(guard, at).abs() <= tangent.tolerance() * size
+    };
+    let turned = guards.iter().filter_map(|&guard| {
+        // One that leaves its zero here has passed it before.
+        if is_zero(guard, &step.start()) {
+            return None;
+        }
+        let rises = |t: f64| flow.guard_jet(guard, &moment(t))[1] >= 0.0;
+        let at = moment(bisect(step.t_start, step.t_end, rises));
+        is_zero(guard, &at).then_some(at)
+    });
+    turned.min_by(|a, b| a.t.total_cmp(&b.t))
+}
+
 /// Tangent vectors beside an orbit, and what they have given so far.
 struct OrbitTangents<'a> {
     tangent: Tangent<'a>,
     /// Tangent vectors at the start of the last step; `columns` are the present ones.
     before: Vec<Vector>,
     columns: Vec<Vector>,
+    last: LastEvent,
     sections: &'a [Section],
     found: OrbitDerivatives,
 }
@@ -329,7 +392,7 @@ impl OrbitTangents<'_> {
 
     /// Nothing is known from here on.
     fn lose(&mut self, why: Error) {
-        for column in &mut self.columns {
+        for column in self.columns.iter_mut().chain(&mut self.before) {
             column.fill(f64::NAN);
         }
         self.found.lost.get_or_insert(why);
@@ -350,7 +413,8 @@ impl OrbitTangents<'_> {
         let system = self.tangent.system;
         let here = at.moment();
         let velocity = velocity_in(system, at.from, &here);
-        let end = SegmentEnd::of(system, at);
+        let cause = self.last.cause_of(system, at);
+        let end = SegmentEnd::of(system, at, cause);
         let mut rests = false;
         let (gradient, in_time) = match end.at_kink {
             Some((input, _)) => {
@@ -377,7 +441,7 @@ impl OrbitTangents<'_> {
         let jump = match at.kind {
             TransitionKind::Touch => Err(singular(at.t, &at.x)),
             _ if is_of_boundary && is_graze() => Err(singular(at.t, &at.x)),
-            _ => self.tangent.jump(at),
+            _ => self.tangent.passed(at, cause, &self.columns),
         };
         let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
         let jump = match jump {
@@ -387,13 +451,14 @@ impl OrbitTangents<'_> {
                 self.found.transitions.push(EventDerivatives {
                     at: at.t,
                     t: vec![f64::NAN; t.len()],
+                    points: [here.x.clone(), here.x],
                     before: none.clone(),
                     after: none,
                 });
                 return Err(why);
             }
         };
-        let mut after_jump = here;
+        let mut after_jump = here.clone();
         if end.is_of_jump {
             after_jump.x = system.reset(at.contact, &after_jump).after;
         }
@@ -411,6 +476,7 @@ impl OrbitTangents<'_> {
         self.found.transitions.push(EventDerivatives {
             at: at.t,
             t,
+            points: [here.x, after_jump.x],
             before,
             after,
         });
@@ -429,6 +495,7 @@ impl OrbitTangents<'_> {
         let of_event = EventDerivatives {
             at: at.t,
             t,
+            points: [here.x.clone(), here.x],
             before,
             after,
         };

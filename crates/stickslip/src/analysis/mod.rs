@@ -8,6 +8,7 @@ mod continuation;
 mod critical;
 mod cycle;
 mod derivatives;
+mod instant;
 mod lagrange;
 mod least_squares;
 mod lyapunov;
@@ -18,6 +19,7 @@ mod passages;
 mod periodic;
 mod periodic_derivatives;
 mod poincare;
+mod simultaneous;
 mod stability;
 mod tangent;
 

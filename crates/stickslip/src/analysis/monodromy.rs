@@ -1,5 +1,6 @@
 //! The derivative of the flow map, through slips, sticks and the transitions between them.
 
+use super::instant::LastEvent;
 use super::tangent::{Tangent, flatten};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Step, Summary,
@@ -102,6 +103,7 @@ pub(super) struct TangentMap {
     stick_entries: usize,
     /// The multiple of the velocity that was removed from each column, if it is removed.
     along: Option<Vector>,
+    last: LastEvent,
 }
 
 impl TangentMap {
@@ -119,6 +121,7 @@ impl TangentMap {
                 .collect(),
             stick_entries: 0,
             along: None,
+            last: LastEvent::none(),
         }
     }
 
@@ -193,12 +196,13 @@ impl TangentMap {
         tangent: &Tangent<'_>,
         at: &Transition,
     ) -> Result<(), Error> {
-        let Some(jump) = tangent.jump(at)? else {
+        let cause = self.last.cause_of(tangent.system, at);
+        let Some(jump) = tangent.passed(at, cause, &self.columns)? else {
             return Ok(());
         };
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
-        let is_at_boundary = tangent.system.kink(&at.moment()).is_none();
+        let is_at_boundary = cause.kink.is_none();
         for column in &mut self.columns {
             *column = &jump.matrix * &*column;
             // On Σ the component across it is zero, except for rounding.

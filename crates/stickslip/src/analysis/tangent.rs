@@ -1,5 +1,7 @@
 //! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
+use super::instant::Cause;
+use super::simultaneous::check_order;
 use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
@@ -87,9 +89,12 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
     /// [`Error::ChainedJumps`].
-    fn reset(&self, at: &Transition) -> Result<Saltation, Error> {
+    fn reset(&self, at: &Transition, kink: Option<usize>) -> Result<Saltation, Error> {
         let here = at.moment();
-        let reset = self.system.reset(at.contact, &here);
+        let mut reset = self.system.reset(at.contact, &here);
+        if let Some(input) = kink {
+            (_, reset.gradient, reset.in_time) = self.system.clock(input, &here);
+        }
         let after_jump = Moment {
             t: at.t,
             x: reset.after,
@@ -103,7 +108,7 @@ impl<'a> Tangent<'a> {
         let size = reset.gradient.abs().dot(&at.x.abs()) + in_time + rate.abs();
         // Where impacts accumulate, all parts are small; the state is known to the tolerance.
         let located = EVENT_PRECISION * reset.gradient.abs().sum();
-        let is_triggered = self.system.kink(&here).is_none()
+        let is_triggered = kink.is_none()
             && !reset.lands
             && reset.value.abs() > self.carrying.tolerance * (size + located);
         if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
@@ -149,6 +154,29 @@ impl<'a> Tangent<'a> {
         })
     }
 
+    /// The effect of a transition on vectors, as [`Tangent::jump`] gives it, where other events at
+    /// its instant may come before it or after it: see [`check_order`].
+    ///
+    /// # Errors
+    /// Those of [`Tangent::jump`]; [`Error::SimultaneousEvents`].
+    pub(crate) fn passed(
+        &self,
+        at: &Transition,
+        cause: Cause,
+        columns: &[Vector],
+    ) -> Result<Option<Saltation>, Error> {
+        let joint = check_order(self.system, at, cause, columns)?;
+        let jump = self.jump(at, cause)?;
+        Ok(match (joint, jump) {
+            (Some(matrix), Some(jump)) => Some(Saltation {
+                determinant: matrix.determinant(),
+                matrix,
+                ..jump
+            }),
+            (_, jump) => jump,
+        })
+    }
+
     /// The effect of the transition, or `None` where it changes no vector. Those are the exit from
     /// stick, a touch, contact lost or gained, and a contact whose two fields agree (friction
     /// without normal force). There the limit of the saltation matrix is the identity, though its
@@ -157,12 +185,12 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
     /// perturbation decides which comes first.
-    pub(crate) fn jump(&self, at: &Transition) -> Result<Option<Saltation>, Error> {
+    fn jump(&self, at: &Transition, Cause { kink, .. }: Cause) -> Result<Option<Saltation>, Error> {
         if at.kind == TransitionKind::Jump {
-            return self.reset(at).map(Some);
+            return self.reset(at, kink).map(Some);
         }
         let here = at.moment();
-        if let Some(input) = self.system.kink(&here) {
+        if let Some(input) = kink {
             return Ok(self.change_at_kink(at, input));
         }
         let Some(guard) = self.system.discontinuity_guard(at) else {
@@ -207,6 +235,7 @@ pub(crate) fn flatten(gradient: &Vector, vector: &mut Vector) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::instant::LastEvent;
     use super::*;
     use crate::dynamics::AsDynamics;
     use crate::filippov::Method;
@@ -241,7 +270,10 @@ mod tests {
         };
         let jump = |friction: f64| {
             let block = Block { friction };
-            let jump = Tangent::new(&*block.dynamics(), &Options::default()).jump(&entry);
+            let jump = Tangent::new(&*block.dynamics(), &Options::default()).jump(
+                &entry,
+                LastEvent::none().cause_of(&*block.dynamics(), &entry),
+            );
             jump.unwrap()
         };
         assert_eq!(jump(0.4).unwrap().matrix.determinant(), 0.0);

@@ -138,14 +138,12 @@ where
         };
         let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
         let guards = guards.filter(|guard| guard.contact < self.view.contacts);
-        let jumps = 0..self.view.jumps.count();
-        let jumps = jumps.filter(|&jump| !self.view.jumps.is_conditional(jump));
-        let jumps = jumps.map(|jump| Guard {
+        let jumps = (0..self.view.jumps.count()).map(|jump| Guard {
             number: G + jump,
             contact: self.view.contacts + jump,
             goes_on: false,
             is_of_jump: true,
-            is_watched: self.view.jumps.is_searched(jump),
+            is_watched: self.view.jumps.is_searched(jump) && !self.view.jumps.is_conditional(jump),
             is_condition: self.view.jumps.is_never_negative(jump)
                 || self.view.jumps.is_reaction(jump),
         });

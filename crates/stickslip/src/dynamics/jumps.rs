@@ -243,11 +243,12 @@ pub struct Reset {
     pub by_time: Vector,
     /// The function that vanishes at it.
     pub value: f64,
-    /// The gradient of that function in the state; at the kink of an input, the gradient of the
-    /// clock that decides its time.
+    /// The gradient of that function in the state.
     pub gradient: Vector,
-    /// The time derivative of that function or clock.
+    /// The time derivative of that function.
     pub in_time: f64,
+    /// The direction in which that function passes through zero at the jump.
+    pub direction: Direction,
     /// Whether another jump follows where occurrences of this one accumulate.
     pub rests: bool,
     /// Whether it follows another jump in that way: its time is that of the accumulation.

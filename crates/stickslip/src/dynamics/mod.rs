@@ -62,6 +62,15 @@ impl Moment {
     }
 }
 
+/// Times of one instant differ by no more, relative to their size. It is the rounding of the time
+/// of a kink, which follows from a clock by a difference and a quotient.
+const INSTANT: f64 = 1024.0 * f64::EPSILON;
+
+/// The longest time between two events of one instant.
+pub(crate) fn instant(t: f64) -> f64 {
+    INSTANT * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON)
+}
+
 /// Part of an orbit in one mode, between two transitions; its mode includes the jump that ends it.
 pub type Phase = PhaseOf<Vector, Modes>;
 
@@ -196,8 +205,8 @@ pub struct Guard {
     pub goes_on: bool,
     /// Whether the state jumps at its zero.
     pub is_of_jump: bool,
-    /// Whether a run looks for its zero. The function of a jump that only follows others passes
-    /// through zero without any effect.
+    /// Whether a zero within a phase tells that the phase ends there. The function of a jump that
+    /// only follows others, or that has a condition, may pass through zero without any effect.
     pub is_watched: bool,
     /// Whether the state is possible only where it is positive: a contact's guard, a gap, and a
     /// reaction.
@@ -272,7 +281,12 @@ pub trait Dynamics: Send + Sync {
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
     /// The smooth flow of a mode, with contact lost or kept as at a moment.
-    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a>;
+    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
+        self.flow_held(mode, at, at.t)
+    }
+
+    /// The smooth flow of a mode, with the values that inputs hold from the time `held` on.
+    fn flow_held<'a>(&'a self, mode: Modes, at: &Moment, held: f64) -> Box<dyn SmoothFlow + 'a>;
 
     /// The contacts that stick in a mode, with the gradients of their boundary functions.
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
@@ -296,8 +310,13 @@ pub trait Dynamics: Send + Sync {
     /// Whether jumps alone change a component of the state.
     fn is_constant_between_jumps(&self, state: usize) -> bool;
 
-    /// The input that kinks at a moment, if one does.
-    fn kink(&self, at: &Moment) -> Option<usize>;
+    /// The first input that kinks at a moment, if one does.
+    fn kink(&self, at: &Moment) -> Option<usize> {
+        self.kinks(at).first().copied()
+    }
+
+    /// The inputs that kink at a moment.
+    fn kinks(&self, at: &Moment) -> Vec<usize>;
 
     /// The effect of kinks of inputs at the end of a step on tangent vectors; none where no clock
     /// depends on the state.
@@ -308,7 +327,12 @@ pub trait Dynamics: Send + Sync {
 
     /// The effect of a jump at a moment before it. Its number is counted after those of the
     /// contacts, as in its transitions.
-    fn reset(&self, number: usize, at: &Moment) -> Reset;
+    fn reset(&self, number: usize, at: &Moment) -> Reset {
+        self.reset_held(number, at, at.t)
+    }
+
+    /// The effect of a jump, with the values that inputs hold from the time `held` on.
+    fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset;
 
     /// The moment that stops admit next to one of an orbit at another parameter: on the stops that
     /// carry, and in front of the others.

@@ -150,6 +150,7 @@ where
         states: N,
         contacts: S::CONTACTS,
         interrupt: None,
+        held: None,
     };
     let with: (&[Section], _) = (&[], Stepper::new(options));
     let mut run = view.start_run(start, t_end, options, with)?;

@@ -102,6 +102,7 @@ where
             moving: self.moving,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
+            held: None,
         }
     }
 }
@@ -187,8 +188,13 @@ where
         self.view().begin_in(mode, start, t_end, options)
     }
 
-    fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
-        Box::new(TypedFlow::new(self.view(), mode, at))
+    fn flow_held<'a>(&'a self, mode: Modes, at: &Moment, held: f64) -> Box<dyn SmoothFlow + 'a> {
+        let held = Some(held).filter(|held| *held != at.t);
+        let view = View {
+            held,
+            ..self.view()
+        };
+        Box::new(TypedFlow::new(view, mode, at))
     }
 
     fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)> {
@@ -240,7 +246,7 @@ where
         self.view().jumps.is_constant_between_jumps(state)
     }
 
-    fn kink(&self, at: &Moment) -> Option<usize> {
+    fn kinks(&self, at: &Moment) -> Vec<usize> {
         self.view().kinked(&self.view().timed(at))
     }
 
@@ -281,8 +287,12 @@ where
         (value, of.vector(&slopes), in_time)
     }
 
-    fn reset(&self, number: usize, at: &Moment) -> Reset {
-        let (of, jump) = (self.view(), number - self.contacts);
+    fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset {
+        let of = View {
+            held: Some(held),
+            ..self.view()
+        };
+        let jump = number - self.contacts;
         let here = of.timed(at);
         let Timed { t, x } = here;
         let states = self.states;
@@ -292,10 +302,7 @@ where
             Vector::from_fn(states, |i, _| change[i].eps)
         };
         let columns: Vec<Vector> = (0..states).map(along).collect();
-        let (gradient, in_time) = match of.kinked(&here) {
-            Some(input) => of.gradient(|t, x| of.jumps.clock(input, t, x), &here),
-            None => of.gradient(|t, x| of.jumps.when(jump, t, x), &here),
-        };
+        let (gradient, in_time) = of.gradient(|t, x| of.jumps.when(jump, t, x), &here);
         let x_there = components(&x);
         let after = match of.jumps.happens(jump, t, x_there) {
             true => of.vector(&of.jumps.set(jump, t, x_there).into()),
@@ -306,6 +313,7 @@ where
             by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
             by_time: along(N),
             value: of.jumps.when(jump, t, components(&x)),
+            direction: of.jumps.direction(jump),
             gradient: of.vector(&gradient),
             in_time,
             rests: of.jumps.rests(jump).is_some(),
@@ -354,6 +362,7 @@ where
         moving: of.moving,
         contacts: of.contacts,
         interrupt: None,
+        held: None,
     };
     view.begin(start, f64::MAX, options, &[Section::Own(0)])
 }

@@ -23,6 +23,8 @@ pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) moving: usize,
     pub(super) contacts: usize,
     pub(super) interrupt: Option<&'a Interrupt>,
+    /// The time from which inputs hold their values, if it is not that of a moment.
+    pub(super) held: Option<f64>,
 }
 
 impl<S, V, J, const N: usize, const G: usize> Clone for View<'_, S, V, J, N, G> {
@@ -56,6 +58,7 @@ where
 
     /// A state with the values that inputs hold from a time on.
     pub(super) fn with_inputs(&self, t: f64, mut x: State<N>) -> State<N> {
+        let t = self.held.unwrap_or(t);
         (0..self.jumps.inputs()).for_each(|input| self.jumps.hold(input, t, x.as_mut_slice()));
         x
     }
@@ -137,9 +140,10 @@ where
         Timed { t, x }
     }
 
-    /// The first input that kinks at a time.
-    pub(super) fn kinked(&self, &Timed { t, x }: &Timed<N>) -> Option<usize> {
-        (0..self.jumps.inputs()).find(|&input| self.jumps.kinks(input, t, components(&x)))
+    /// The inputs that kink at a time.
+    pub(super) fn kinked(&self, &Timed { t, x }: &Timed<N>) -> Vec<usize> {
+        let kinks = |&input: &usize| self.jumps.kinks(input, t, components(&x));
+        (0..self.jumps.inputs()).filter(kinks).collect()
     }
 
     pub(super) fn kink(&self, input: usize, of: &Integration<'_, S, N, G>) -> Kink {

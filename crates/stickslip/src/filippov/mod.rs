@@ -59,4 +59,4 @@ pub use solve::{Failure, run, solve};
 pub(crate) use stepper::Stepper;
 pub use switched::Switched;
 pub(crate) use switched::{GuardGradient, Settled, UseFlow, Velocity};
-pub(crate) use uncertainty::EVENT_PRECISION;
+pub(crate) use uncertainty::{EVENT_PRECISION, RELATIVE_ROUNDING};

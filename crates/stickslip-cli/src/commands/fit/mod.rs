@@ -7,7 +7,7 @@ use serde_json::{Map, json};
 use stickslip::analysis::LeastSquaresEnd;
 use stickslip::error::readable;
 use stickslip_model::file::System;
-use stickslip_model::study::fit::{Fit, FitError, FittedColumn, FittedValue, fit};
+use stickslip_model::study::fit::{Fit, FitError, FittedColumn, FittedValue, ending, fit};
 
 use super::arguments::{PreparedRun, RunArguments, count};
 use crate::failure::{Failure, in_words};
@@ -114,18 +114,6 @@ fn failure(error: FitError, system: &System) -> Failure {
         | FitError::Part { .. }
         | FitError::Interrupted => Failure::Fit(error.to_string()),
         error => Failure::Usage(error.to_string()),
-    }
-}
-
-/// Words for the end of a search.
-fn ending(end: LeastSquaresEnd) -> &'static str {
-    match end {
-        LeastSquaresEnd::Cost => "the sum of squares stays",
-        LeastSquaresEnd::Step => "the values stay",
-        LeastSquaresEnd::Gradient => "the residuals are orthogonal to their derivatives",
-        LeastSquaresEnd::Change => "the sequence of phases changes at the minimum",
-        LeastSquaresEnd::Evaluations => "not converged",
-        LeastSquaresEnd::NotFinite => "no derivatives where it begins",
     }
 }
 

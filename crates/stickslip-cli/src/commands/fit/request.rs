@@ -94,7 +94,9 @@ fn of_records(
             Some((all.get_mut(record)?, rest))
         });
         let Some((record, rest)) = record else {
-            let why = format!("a record from 1 to {count} stands in front, as in 1:{text}");
+            // What stands behind the number of a record that there is not.
+            let rest = text.split_once(':').map_or(text.as_str(), |(_, rest)| rest);
+            let why = format!("a record from 1 to {count} stands in front, as in 1:{rest}");
             return Err(wrong(option, text, &why));
         };
         record.push(assignment(option, rest)?);

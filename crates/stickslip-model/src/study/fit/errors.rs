@@ -51,8 +51,8 @@ pub enum FitError {
     },
     /// A record begins before the start of the run.
     #[error(
-        "{record}: the first time {} is before the start of the run at {}; let the run start then, \
-            by --t-start or t_start", readable(*first), readable(*start)
+        "{record}: the first time {} is before the start of the run at {}; let the run start no \
+            later than the data", readable(*first), readable(*start)
     )]
     BeforeStart {
         /// Name of the record.

@@ -23,6 +23,7 @@ use stickslip::{Error, Options};
 
 pub use errors::FitError;
 use problem::{Problem, Sequence};
+use record_run::ObservedJump;
 pub use statistics::RunsTest;
 pub use uncertainty::FitUncertainty;
 use work::Work;
@@ -185,6 +186,18 @@ pub struct Fit {
     pub others: Vec<OtherMinimum>,
 }
 
+/// Words for the end of a search.
+pub fn ending(end: LeastSquaresEnd) -> &'static str {
+    match end {
+        LeastSquaresEnd::Cost => "the sum of squares stays",
+        LeastSquaresEnd::Step => "the values stay",
+        LeastSquaresEnd::Gradient => "the residuals are orthogonal to their derivatives",
+        LeastSquaresEnd::Change => "the sequence of phases changes at the minimum",
+        LeastSquaresEnd::Evaluations => "not converged",
+        LeastSquaresEnd::NotFinite => "no derivatives where it begins",
+    }
+}
+
 /// Relative change of the estimated deviations at which they are final, and most rounds.
 const SAME_SIGMA: f64 = 1e-3;
 const MOST_ROUNDS: usize = 20;
@@ -320,6 +333,8 @@ pub(crate) struct Modelled {
     pub(crate) jacobian: Matrix,
     /// Phases of each record.
     pub(crate) phases: Vec<Vec<(f64, f64, Modes)>>,
+    /// Events of each record, or part, at which an observable jumps.
+    jumps: Vec<Vec<ObservedJump>>,
     /// Record without derivatives, and the time and reason of their loss.
     pub(crate) lost: Option<(usize, Error)>,
 }

@@ -238,11 +238,13 @@ impl<'r> Problem<'r> {
             jacobian: Matrix::from_row_slice(residuals.len(), self.unknowns.len(), &slopes),
             residuals: Vector::from_vec(residuals),
             phases: Vec::new(),
+            jumps: Vec::new(),
             lost: None,
         };
         for (number, run) in runs.into_iter().enumerate() {
             all.values.push(run.values);
             all.phases.push(run.phases);
+            all.jumps.push(run.jumps);
             if let Some(lost) = run.lost {
                 all.lost.get_or_insert((number, lost));
             }

@@ -1,6 +1,6 @@
 //! One record ready to run, and its run at a point.
 
-use stickslip::analysis::{Variable, orbit_derivatives};
+use stickslip::analysis::{EventDerivatives, Variable, orbit_derivatives};
 use stickslip::dynamics::{DynamicsRef, Matrix, Modes, Vector};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Options, Scalar};
@@ -39,6 +39,16 @@ pub(super) struct RecordRun {
     by: Vec<Variable>,
 }
 
+/// An event at which observables jump.
+#[derive(Clone, Debug)]
+pub(super) struct ObservedJump {
+    pub(super) t: f64,
+    /// Derivatives of its time by everything that is sought.
+    pub(super) slopes: Vec<f64>,
+    /// Change of each observable.
+    pub(super) changes: Vec<f64>,
+}
+
 /// One record at a point.
 pub(super) struct RecordAt {
     pub(super) values: Vec<Vec<f64>>,
@@ -46,6 +56,8 @@ pub(super) struct RecordAt {
     pub(super) slopes: Vec<Vec<Vec<f64>>>,
     pub(super) phases: Vec<(f64, f64, Modes)>,
     pub(super) lost: Option<Error>,
+    /// Events at which an observable jumps.
+    pub(super) jumps: Vec<ObservedJump>,
     /// States at the times.
     pub(super) points: Vec<Vector>,
     /// The state at the last time, and its derivatives by what is sought here.
@@ -237,6 +249,7 @@ impl RecordRun {
             slopes: vec![Vec::with_capacity(self.times.len()); self.observed.len()],
             phases: run.phases,
             lost: run.lost,
+            jumps: self.jumps(&run.transitions, &weights, sought),
             points: Vec::with_capacity(self.times.len()),
             end: (Vector::zeros(0), Matrix::zeros(0, 0)),
         };
@@ -258,6 +271,40 @@ impl RecordRun {
             at.end = (states, slopes);
         }
         Ok(at)
+    }
+
+    /// The events at which an observable jumps. `weights` are derivatives of what the orbit depends
+    /// on, by the unknowns of this record.
+    fn jumps(
+        &self,
+        events: &[EventDerivatives],
+        weights: &Matrix,
+        sought: usize,
+    ) -> Vec<ObservedJump> {
+        let none = Matrix::zeros(self.system.states(), self.local.len());
+        let jump = |event: &EventDerivatives| {
+            let changes = self.observed.iter().map(|observed| {
+                let value = |point: &Vector| {
+                    self.observation(observed, event.at, (point, &none), sought)
+                        .0
+                };
+                let [before, after] = event.points.each_ref().map(value);
+                after - before
+            });
+            let changes: Vec<f64> = changes.collect();
+            if changes.iter().all(|change| *change == 0.0) {
+                return None;
+            }
+            let mut slopes = vec![0.0; sought];
+            for (column, &(_, place)) in self.local.iter().enumerate() {
+                let parts = event.t.iter().enumerate();
+                let parts = parts.map(|(row, slope)| slope * weights[(row, column)]);
+                slopes[place] = parts.sum();
+            }
+            let t = event.at;
+            Some(ObservedJump { t, slopes, changes })
+        };
+        events.iter().filter_map(jump).collect()
     }
 
     /// An observable at a point of the orbit, and its derivatives by all `sought` unknowns.

@@ -75,7 +75,8 @@ impl Problem<'_> {
         let pairs = data.iter().zip(model);
         let residuals: Vec<f64> = pairs.map(|(data, model)| data - model).collect();
         let known: Vec<f64> = residuals.iter().copied().filter(|r| !r.is_nan()).collect();
-        let squares: f64 = known.iter().map(|r| r * r).sum();
+        // The sum of no values is -0.
+        let squares = known.iter().fold(0.0, |sum, r| sum + r * r);
         let rms = (squares / known.len().max(1) as f64).sqrt();
         let scale = model
             .iter()

@@ -18,8 +18,8 @@ impl Problem<'_> {
         for one in &self.unknowns.0 {
             if !(one.bounds.1 - one.bounds.0).is_finite() {
                 return Err(FitError::Request(format!(
-                    "`{}` has no bounds to search within: give both, as in {}=0:1",
-                    one.name, one.name
+                    "`{}` has no bounds to search within: give a lowest and a highest value",
+                    one.name
                 )));
             }
         }

@@ -153,6 +153,12 @@ impl FitUncertainty {
         if problem.parts.is_none() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
+        if own.none.is_none() && passes_data(problem, &at, (&inside, &directions)) {
+            own.none = Some(
+                "within one standard error an event passes a data time, and what is observed \
+                 jumps there",
+            );
+        }
         if best.end == LeastSquaresEnd::Change {
             own.none = Some("the minimum lies where the sequence of phases changes");
         }
@@ -228,6 +234,31 @@ impl FitUncertainty {
             }
         }
     }
+}
+
+/// Whether an event at which an observable jumps lies within one standard error of a time of its
+/// data: the residual there jumps.
+fn passes_data(
+    problem: &Problem<'_>,
+    at: &Modelled,
+    (inside, directions): (&[usize], &[Vector]),
+) -> bool {
+    let of_records = at.jumps.iter().zip(&problem.records);
+    let mut jumps = of_records.flat_map(|(jumps, record)| jumps.iter().map(move |j| (j, record)));
+    jumps.any(|(jump, record)| {
+        let along = |direction: &Vector| {
+            let parts = inside.iter().zip(direction);
+            let change: f64 = parts.map(|(&k, part)| jump.slopes[k] * part).sum();
+            change * change
+        };
+        let error = directions.iter().map(along).sum::<f64>().sqrt();
+        let changes = jump.changes.iter().zip(&problem.sigmas);
+        let mut columns = changes.zip(&record.columns);
+        columns.any(|((change, sigma), data)| {
+            let is_near = |(t, data): (&f64, &f64)| !data.is_nan() && (t - jump.t).abs() <= error;
+            change.abs() > JUMP * sigma && record.times.iter().zip(data).any(is_near)
+        })
+    })
 }
 
 /// Change of the residuals across the first change of the sequence that bisection finds on the way;

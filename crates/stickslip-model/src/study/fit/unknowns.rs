@@ -177,7 +177,7 @@ fn begun(
     };
     let start = unknown.start.or(start).ok_or_else(|| {
         FitError::Request(format!(
-            "the start has no value of `{name}`: give one to begin with, as in {name}=0"
+            "the start has no value of `{name}`: give one to begin with"
         ))
     })?;
     if !(low..=high).contains(&start) {

@@ -1,5 +1,6 @@
 //! A periodic orbit to be computed: its segments, and the moment at which the first one begins.
 
+use super::super::instant::{Cause, LastEvent, guard_of, is_of_contact};
 use super::{ULPS, unit};
 use crate::dynamics::{Dynamics, Modes, Moment, RecordedOrbit, Sampling, Transition, Vector};
 use crate::error::Error;
@@ -25,18 +26,11 @@ pub(crate) struct SegmentEnd {
 
 impl SegmentEnd {
     /// The event at a transition.
-    pub fn of(system: &dyn Dynamics, at: &Transition) -> Self {
+    pub fn of(system: &dyn Dynamics, at: &Transition, Cause { kink, .. }: Cause) -> Self {
         let here = at.moment();
-        let flow = system.flow(at.from, &here);
-        let kink = system.kink(&here);
-        let of_contact = flow
-            .guards()
-            .into_iter()
-            .filter(|guard| guard.contact == at.contact && guard.goes_on == is_of_contact(at.kind));
-        let value = |number: usize| flow.guard(number, &here).abs();
-        let least = of_contact.min_by(|a, b| value(a.number).total_cmp(&value(b.number)));
+        let guard = guard_of(system, at, here.t);
         SegmentEnd {
-            guard: least.map_or(at.contact, |guard| guard.number),
+            guard: guard.map_or(at.contact, |guard| guard.number),
             contact: at.contact,
             is_of_contact: is_of_contact(at.kind),
             is_of_jump: at.kind == TransitionKind::Jump,
@@ -184,6 +178,9 @@ impl Outline {
             .transitions()
             .filter(|at| at.kind != TransitionKind::Touch)
             .collect();
+        let mut last = LastEvent::none();
+        let causes = all.iter().map(|at| last.cause_of(system, at));
+        let causes: Vec<Cause> = causes.collect();
         let chatter = Chatter::all(system, &all);
         let is_kept = |k: &usize| {
             chatter
@@ -235,7 +232,7 @@ impl Outline {
             };
             let mut phase = Segment {
                 mode: from.to,
-                end: Some(SegmentEnd::of(system, to)),
+                end: Some(SegmentEnd::of(system, to, causes[places[1]])),
                 inside: middle(from.t, to.t)?,
                 duration: to.t - from.t,
                 kind: SegmentKind::Phase,
@@ -500,12 +497,4 @@ pub(super) fn segment_to_cut(segments: &[Segment]) -> usize {
         sticks(a).cmp(&sticks(b)).then(longer)
     });
     best.map_or(0, |(number, _)| number)
-}
-
-/// Whether a transition is a loss or gain of contact.
-fn is_of_contact(kind: TransitionKind) -> bool {
-    matches!(
-        kind,
-        TransitionKind::ContactLoss | TransitionKind::ContactGain
-    )
 }

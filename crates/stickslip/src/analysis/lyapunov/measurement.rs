@@ -1,5 +1,6 @@
 //! A frame of tangent vectors along an orbit, and the sums of their growth.
 
+use super::super::instant::LastEvent;
 use super::super::tangent::{Saltation, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
@@ -53,6 +54,7 @@ pub(super) struct Measurement<'a> {
     collapses: usize,
     /// Number of parts of steps so far.
     parts: u64,
+    last: LastEvent,
     /// Whether no step has been taken since the run began.
     is_fresh: bool,
     /// Whether the run is still in the transient.
@@ -87,6 +89,7 @@ impl<'a> Measurement<'a> {
             stick_entries: 0,
             collapses: 0,
             parts: 0,
+            last: LastEvent::none(),
             is_fresh: true,
             is_settling: true,
         }
@@ -411,7 +414,9 @@ impl Measurement<'_> {
         }
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
-        let Some(jump) = self.tangent.jump(at)? else {
+        let cause = self.last.cause_of(self.tangent.system, at);
+        let columns = self.frame.columns_mut();
+        let Some(jump) = self.tangent.passed(at, cause, columns)? else {
             return Ok(());
         };
         let passed = if enters {
