@@ -1,7 +1,7 @@
 //! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
 use super::steps::Continuation;
-use super::tangent_line::{TangentLine, bordered};
+use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, with_last_digits};
@@ -25,7 +25,7 @@ impl Continuation<'_> {
         let (units, across) = (self.branch.units, line.across());
         let heading = |cycle: &Cycle| Some(line.continued(&shooting, units, cycle)?.heading());
         // Zero where another branch crosses this one (Keller 1977).
-        let border = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
+        let border = |cycle: &Cycle| Some(cycle.jacobian.with_row(across).small_determinant());
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
         let functions: [&Function<'_>; 4] = [&heading, &border, &minus_one, &circle];
