@@ -8,7 +8,11 @@
 //! In each group the rows are sorted by size, and the longest column comes first. So every row
 //! keeps its own accuracy, however different their sizes are (Cox & Higham, *BIT* 38 (1998) 34).
 
+mod determinant;
+
 use crate::dynamics::{Matrix, Vector};
+
+pub(super) use determinant::Determinant;
 
 /// The entries of a row that are not zero: column and value.
 pub(super) type SparseRow = Vec<(usize, f64)>;
@@ -111,15 +115,17 @@ impl Elimination {
         self.is_regular && whole
     }
 
-    /// The determinant over the volume of the columns of all groups but the last, which is
-    /// positive: with the sign and the zeros of the determinant, and without its size.
-    pub fn small_determinant(&self) -> f64 {
+    /// The determinant.
+    pub fn determinant(&self) -> Determinant {
         if !self.is_square() {
-            return 0.0;
+            return Determinant::ZERO;
         }
-        let last = self.stages.iter().next_back();
-        let entries = last.into_iter().flat_map(Stage::diagonal);
-        self.sign * entries.map(f64::abs).product::<f64>()
+        let entries = self.stages.iter().flat_map(Stage::diagonal);
+        let sizes = entries.map(f64::abs).zip(&self.lengths);
+        let one = Determinant::of(self.sign);
+        sizes.fold(one, |product, (entry, length)| {
+            product.times(entry * length)
+        })
     }
 
     /// The solution; `None` where the matrix is singular.

@@ -136,6 +136,7 @@ fn switched(
         let begun = (start.clone(), secant.or(Some(tangent)));
         let mut other = Continuation::from_orbit(shooting, settings, units, begun);
         other.flips = (depth > 1).then(Vec::new);
+        other.begins_on_other = true;
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let flips = other.flips.take().unwrap_or_default();
         let mut branch = other.into_branch(stop);

@@ -109,12 +109,17 @@ fn an_orbit_of_64_loops_has_the_solutions_of_the_dense_matrix() {
             own <= 10.0 * others.max(f64::EPSILON * exact.amax()),
             "{own:e} {others:e}"
         );
+        // Sums of up to 200 terms, whose roundings mostly cancel.
+        let (_, error) = jacobian.backward_error(&found, &right);
+        assert!(error <= 16.0 * f64::EPSILON, "{error:e}");
         // Both have the error of a condition number that the singular values show.
         let values = matrix.clone().svd(false, false).singular_values;
         let condition = values.max() / values.min();
         let off = (&found - &exact).norm() / exact.norm();
         let rounding = count as f64 * f64::EPSILON * condition;
         assert!(off <= rounding, "{off:e} {condition:e}");
+        let ratio = jacobian.determinant().over_power(0) / matrix.determinant();
+        assert!((ratio - 1.0).abs() <= rounding, "{ratio} {condition:e}");
         let tangent = jacobian.tangent().unwrap();
         assert!((cycle.jacobian.times_vector(&tangent)).amax() <= 1e-12 * tangent.amax());
     }
