@@ -12,8 +12,8 @@ use crate::expression::{
     Binary, Expression, ExpressionKind, Graph, Id, NotANumber, Tape, TooLarge,
 };
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching, pulse,
-    sides_to_check,
+    Choice, Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching,
+    pulse, sides_to_check,
 };
 
 /// The tapes of a system.
@@ -328,6 +328,7 @@ fn switching(
                 when: tape(file, graph, &[when], inputs)?,
                 direction: entry.direction,
                 condition: None,
+                choices: Vec::new(),
                 set: map,
                 most: None,
                 of_stop: entry.of_stop,
@@ -342,11 +343,28 @@ fn switching(
                 .help("it is a function of states or of time, and its zero is where they jump"));
         }
         let mut set = Vec::with_capacity(entry.set.len());
+        let mut choices = Vec::new();
         for (number, formula) in entry.set.iter().enumerate() {
             set.push(match formula {
                 Some(formula) => {
                     let builder = Builder::new(file, inputs, graph, scope);
-                    builder.choosing().formula(formula)?
+                    let (root, made) = builder.choosing().with_choices(formula)?;
+                    let first = choices.len();
+                    for one in made {
+                        let of = one
+                            .within
+                            .iter()
+                            .map(|(number, holds)| (first + number, *holds));
+                        choices.push(Choice {
+                            within: of.collect(),
+                            condition: JumpCondition {
+                                count: one.leads.len(),
+                                leads: tape(file, graph, &one.leads, inputs)?,
+                                test: one.test,
+                            },
+                        });
+                    }
+                    root
                 }
                 None => graph.state(number),
             });
@@ -386,6 +404,7 @@ fn switching(
                     leads: tape(file, graph, &leads, inputs)?,
                 }),
             },
+            choices,
             set: Map::Formulas(tape(file, graph, &set, inputs)?),
             most: entry.most,
             of_stop: None,

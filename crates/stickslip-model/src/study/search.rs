@@ -222,6 +222,7 @@ impl OrbitSearch<'_> {
                 | Error::NotFound { .. }
                 | Error::TangentSingular { .. }
                 | Error::ChainedJumps { .. }
+                | Error::TiedChoice { .. }
                 | Error::EventPileUp { .. }
                 | Error::Shrunk { .. }
         );

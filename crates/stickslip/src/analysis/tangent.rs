@@ -86,10 +86,14 @@ impl<'a> Tangent<'a> {
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
-    /// [`Error::ChainedJumps`].
+    /// [`Error::ChainedJumps`] and [`Error::TiedChoice`].
     fn reset(&self, at: &Transition) -> Result<Saltation, Error> {
         let here = at.moment();
         let reset = self.system.reset(at.contact, &here);
+        if reset.is_tied {
+            let (t, x, jump) = (at.t, Point::from(&at.x), at.contact);
+            return Err(Error::TiedChoice { t, x, jump });
+        }
         let after_jump = Moment {
             t: at.t,
             x: reset.after,
