@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings captions fit-coverage shooting mutants fuzz old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs paper dist release-check check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions fit-coverage shooting random mutants fuzz old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs paper dist release-check check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -49,6 +49,9 @@ fit-coverage: ## How often intervals of fits contain the truth: crates/stickslip
 
 shooting: ## 100 chaotic records by multiple and by single shooting; some minutes
 	$(CARGO) test --locked --release -p stickslip-model --test suite -- --ignored --nocapture 90_of_100_chaotic
+
+random: ## 10,000 random systems: both methods, in pieces, and stops (not all pass yet); an hour
+	$(CARGO) test --locked -p stickslip-model --test suite -- --ignored --nocapture --test-threads 1 ten_thousand_random
 
 mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
 	tests/mutants.sh

@@ -153,6 +153,7 @@ def from_python(rows):
     names = {
         "belt": "belt oscillator",
         "impact": "impact oscillator",
+        "table": "ball on a shaken table, 100 periods",
         "buck": "buck converter",
         "diagram": "bifurcation diagram",
         "basin": "basin of 200 × 200 starts",

@@ -483,6 +483,21 @@ pub enum Error {
         /// State before them.
         x: Point,
     },
+    /// A comparison that decides what a jump does is between equal numbers: the orbit is at the
+    /// edge of two branches, as at a graze, and tangent vectors have no image.
+    #[error(
+        "jump {jump} chooses between equal numbers at t = {t}, x = {x}, so that the derivative of \
+            the flow is singular, as at a graze; change the start or a parameter a little",
+        t = readable(*t)
+    )]
+    TiedChoice {
+        /// Time.
+        t: f64,
+        /// State before the jump.
+        x: Point,
+        /// The jump, counted after the contacts.
+        jump: usize,
+    },
     /// A failure of an earlier run, in the words that were recorded of it.
     #[error("{words}")]
     Recorded {
@@ -570,6 +585,7 @@ impl Error {
             | Error::Shrunk { t, x }
             | Error::ChainedJumps { t, x, .. }
             | Error::SimultaneousEvents { t, x }
+            | Error::TiedChoice { t, x, .. }
             | Error::TangentSingular { t, x } => Some((t, x)),
             _ => None,
         }

@@ -13,7 +13,8 @@ use crate::expression::{
     Binary, Expression, ExpressionKind, Graph, HeldNumbers, Id, NotANumber, Tape, Test, TooLarge,
 };
 use crate::kernel::{
-    Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching, pulse,
+    Choice, Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching,
+    pulse,
 };
 
 /// The tapes of a system, for values of its parameters.
@@ -308,6 +309,7 @@ pub(super) fn switching(
                 when: tape(file, graph, &[when], inputs)?,
                 direction: entry.direction,
                 condition: None,
+                choices: Vec::new(),
                 set: map,
                 most: None,
                 of_stop: entry.of_stop,
@@ -322,11 +324,28 @@ pub(super) fn switching(
                 .help("it is a function of states or of time, and its zero is where they jump"));
         }
         let mut set = Vec::with_capacity(entry.set.len());
+        let mut choices = Vec::new();
         for (number, formula) in entry.set.iter().enumerate() {
             set.push(match formula {
                 Some(formula) => {
                     let builder = Builder::new(file, inputs, graph, scope);
-                    builder.choosing().formula(formula)?
+                    let (root, made) = builder.choosing().with_choices(formula)?;
+                    let first = choices.len();
+                    for one in made {
+                        let of = one
+                            .within
+                            .iter()
+                            .map(|(number, holds)| (first + number, *holds));
+                        choices.push(Choice {
+                            within: of.collect(),
+                            condition: JumpCondition {
+                                count: one.leads.len(),
+                                leads: tape(file, graph, &one.leads, inputs)?,
+                                test: one.test,
+                            },
+                        });
+                    }
+                    root
                 }
                 None => graph.state(number),
             });
@@ -366,6 +385,7 @@ pub(super) fn switching(
                     leads: tape(file, graph, &leads, inputs)?,
                 }),
             },
+            choices,
             set: Map::Formulas(tape(file, graph, &set, inputs)?),
             most: entry.most,
             of_stop: None,

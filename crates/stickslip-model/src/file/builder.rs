@@ -135,6 +135,16 @@ enum PartState {
     Done(Id),
 }
 
+/// A choice in an expression.
+#[derive(Clone, Debug)]
+pub(super) struct Chosen {
+    pub test: Condition,
+    /// The lead of each comparison, as of [`Builder::leads`].
+    pub leads: Vec<Id>,
+    /// The choices, by number, of whose branch it is part: that where they hold, or the other one.
+    pub within: Vec<(usize, bool)>,
+}
+
 /// Adds expressions to a graph.
 pub(super) struct Builder<'a> {
     file: &'a SystemFile,
@@ -151,6 +161,9 @@ pub(super) struct Builder<'a> {
     approach: Option<Id>,
     /// Whether a choice may stand here.
     chooses: bool,
+    /// The choices so far, and those of whose branches the present place is part.
+    choices: Vec<Chosen>,
+    within: Vec<(usize, bool)>,
     /// Bits of the contacts whose sides were used.
     pub(super) sided: usize,
     /// Levels of nesting so far.
@@ -182,6 +195,8 @@ impl<'a> Builder<'a> {
             frictional: None,
             approach: None,
             chooses: false,
+            choices: Vec::new(),
+            within: Vec::new(),
             sided: 0,
             depth: 0,
         }
@@ -191,6 +206,12 @@ impl<'a> Builder<'a> {
     pub(super) fn choosing(mut self) -> Self {
         self.chooses = true;
         self
+    }
+
+    /// The choices in an expression, with their leads in the graph, behind that expression.
+    pub(super) fn with_choices(mut self, formula: &Formula) -> Result<(Id, Vec<Chosen>), Problem> {
+        let root = self.formula(formula)?;
+        Ok((root, self.choices))
     }
 
     /// A builder in whose expressions the reactions of the stops are these.
@@ -580,7 +601,10 @@ impl<'a> Builder<'a> {
             PartState::NotYet => {}
         }
         self.definitions[number] = PartState::UnderWay;
+        // What stands in it counts wherever the definition does.
+        let within = std::mem::take(&mut self.within);
         let id = self.formula(&definition.formula)?;
+        self.within = within;
         self.definitions[number] = PartState::Done(id);
         Ok(id)
     }
@@ -708,10 +732,23 @@ impl<'a> Builder<'a> {
             return Err(Problem::new("this is a number, not a condition", place)
                 .help("a condition compares two numbers, as in v < 0.1"));
         };
-        let branches = [
-            self.expression(formula, yes)?,
-            self.expression(formula, no)?,
-        ];
+        let number = self.choices.len();
+        self.choices.push(Chosen {
+            test: (**condition).clone(),
+            leads: Vec::new(),
+            within: self.within.clone(),
+        });
+        let mut branch = |holds: bool, of: &Expression| {
+            self.within.push((number, holds));
+            let made = self.expression(formula, of);
+            self.within.pop();
+            made
+        };
+        let branches = [branch(true, yes)?, branch(false, no)?];
+        let leads = self.leads(formula, condition)?;
+        if let Some(choice) = self.choices.get_mut(number) {
+            choice.leads = leads;
+        }
         self.chosen((formula, condition), branches, &place)
     }
 

@@ -131,7 +131,7 @@ pub trait Interface {
             }
             Error::NotConverged { .. } => format!("{error}, {}", self.nearer()),
             Error::Escaped { .. } => format!("{error} ({})", self.name("escape")),
-            Error::ChainedJumps { jump, .. } => {
+            Error::ChainedJumps { jump, .. } | Error::TiedChoice { jump, .. } => {
                 let number = format!("jump {jump} ");
                 let named = format!("the jump {} ", name(*jump));
                 error.to_string().replacen(&number, &named, 1)

@@ -42,7 +42,7 @@
 //! `[stops.NAME]` describes a stop: `gap` is positive in flight, `acts` says what a unit of its
 //! reaction adds to the rates of states, and `restitution` which part of the approach speed an
 //! impact gives back. `NAME.force` is the reaction, and the discrete state `NAME.closed` is 1 while
-//! the stop carries.
+//! the stop carries. It is 0 at the start, unless `[start]` has `NAME.closed = 1`.
 //!
 //! `[inputs.NAME]` describes a function of time alone by its `shape`. The shapes `square`,
 //! `triangle`, `sawtooth` and `pulse` have a `period`, and a `phase` in fractions of it; a pulse

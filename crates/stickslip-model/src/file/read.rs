@@ -51,8 +51,8 @@ pub(super) fn read(source: &Source) -> Result<SystemFile, Problem> {
     let continuous = states.len();
     let mut discrete = switching::discrete(&file, &mut names, continuous)?;
     let mut field = field(&file, (&states, &names), contacts.len())?;
-    start(&file, &mut states, &names)?;
     let stops = stops::read(&file, &mut names, &states, &mut discrete)?;
+    start(&file, (&mut states, &mut discrete), &names)?;
     states.extend(discrete);
     if states.len() > MOST_STATES {
         let message = format!("{} states, discrete ones among them", states.len());
@@ -402,10 +402,42 @@ pub(super) fn by_state<'a>(
     Ok(rows)
 }
 
-fn start(file: &Table<'_>, states: &mut [StateEntry], names: &Names) -> Result<(), Problem> {
-    let Some(table) = file.table("start")? else {
+/// The starts of the states, and of the discrete state of a stop as in `floor.closed = 1`.
+fn start(
+    file: &Table<'_>,
+    (states, discrete): (&mut [StateEntry], &mut [StateEntry]),
+    names: &Names,
+) -> Result<(), Problem> {
+    let Some(mut table) = file.table("start")? else {
         return Ok(());
     };
+    let is_stop = |name: &str| matches!(names.get(name), Some(Meaning::Stop(_)));
+    for (name, _, entry) in table.take(|name| is_stop(name.split('.').next().unwrap_or(name))) {
+        let (whole, carries) = match entry.as_table(&format!("start.{name}")) {
+            Some(part) => {
+                part.only(&["closed"])?;
+                let carries = part.need("closed", "1 where the stop carries at the start, or 0")?;
+                (format!("{name}.closed"), carries)
+            }
+            None => (name.to_owned(), entry),
+        };
+        let stop = name.split('.').next().unwrap_or(name);
+        let whole = normal(&whole);
+        let help = format!(
+            "a start with zero gap and rate is carried at once; {stop}.closed = 1 begins on the \
+             stop"
+        );
+        let Some(place) = discrete.iter().position(|state| state.name == whole) else {
+            let message = format!("there is no state `{name}`; `{stop}` is a stop");
+            return Err(Problem::new(message, carries.place()).help(help));
+        };
+        let value = carries.finite().map_err(|wrong| wrong.help(help.clone()))?;
+        if ![0.0, 1.0].contains(&value) {
+            let message = format!("`{whole}` is 0, or 1 where the stop carries, and not {value}");
+            return Err(Problem::new(message, carries.place()).help(help));
+        }
+        discrete[place].start = Some(Formula::number(value, carries.place()));
+    }
     let rows = by_state(&table, states, names)?;
     for (state, entry) in states.iter_mut().zip(rows) {
         let Some(entry) = entry else {

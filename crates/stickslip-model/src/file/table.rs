@@ -55,6 +55,18 @@ impl<'a> Table<'a> {
             .map(|&(_, _, entry)| entry)
     }
 
+    /// Removes the entries with some names, and returns them.
+    pub(super) fn take(
+        &mut self,
+        is_taken: impl Fn(&str) -> bool,
+    ) -> Vec<(&'a str, Range<usize>, Entry<'a>)> {
+        let (taken, kept) = std::mem::take(&mut self.entries)
+            .into_iter()
+            .partition(|(name, ..)| is_taken(name));
+        self.entries = kept;
+        taken
+    }
+
     /// A required entry.
     pub(super) fn need(&self, name: &str, what: &str) -> Result<Entry<'a>, Problem> {
         self.get(name).ok_or_else(|| {

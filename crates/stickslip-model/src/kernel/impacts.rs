@@ -13,7 +13,7 @@ use crate::expression::Tape;
 
 /// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms: some
 /// thousand units in the last place, which sums of as many terms leave.
-const ROUNDING: f64 = 1e-12;
+pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The law of impact of the stops of a system.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,9 +47,14 @@ struct Touching<T> {
 }
 
 impl<T: Scalar> Touching<T> {
+    /// Whether the body comes nearer to a stop that is open.
+    fn bounces(&self) -> bool {
+        self.rate.value() < 0.0 && !self.carries && !self.lands
+    }
+
     /// The rate that the law compares with, without impulses.
     fn wanted(&self) -> T {
-        match self.rate.value() < 0.0 && !self.carries && !self.lands {
+        match self.bounces() {
             true => self.rate + self.restitution * self.rate,
             false => self.rate,
         }
@@ -125,6 +130,12 @@ impl Impacts {
             .collect()
     }
 
+    /// Which stops carry in a state.
+    pub fn carrying<T: Scalar>(&self, x: &[T]) -> Vec<bool> {
+        let closed = self.closed.iter();
+        closed.map(|&closed| x[closed].value() > 0.5).collect()
+    }
+
     /// The states after the impact of a stop. Not a number where no impulses follow the law, or a
     /// restitution is not between 0 and 1.
     pub fn strike<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
@@ -195,10 +206,10 @@ impl Impacts {
             let [acts, ways] = [0, 1].map(|row| first + row * states);
             [acts, ways].map(|row| parts[row..row + states].to_vec())
         };
-        for one in &touching {
+        for (one, shift) in touching.iter().zip(shifts(&touching)) {
             let [_, ways] = rows(&parts, one.stop);
             for (x, way) in x.iter_mut().zip(ways) {
-                *x = *x - way * one.gap;
+                *x = *x - way * shift;
             }
         }
         // The rates are those at closed gaps.
@@ -269,7 +280,9 @@ impl Impacts {
         if impact.is_none() && touching.iter().all(|one| one.carries) {
             return None;
         }
-        let is_defined = |one: &Touching<T>| (0.0..=1.0).contains(&one.restitution.value());
+        // A stop that separates gives nothing back, and has no speed of approach.
+        let is_defined =
+            |one: &Touching<T>| !one.bounces() || (0.0..=1.0).contains(&one.restitution.value());
         let impulses = touching.iter().all(is_defined).then(|| impulses(&touching));
         Some(Strike {
             impulses: impulses.flatten(),
@@ -322,19 +335,46 @@ fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
     })
 }
 
+/// How far to go back along the way of each stop so that all gaps vanish at once: the way that
+/// closes one gap opens another one as much as the impulses do. Each on its own where the ways
+/// depend on each other, as where two stops hold one body at one place.
+fn shifts<T: Scalar>(touching: &[Touching<T>]) -> Vec<T> {
+    let entry = |row: &Touching<T>, column: &Touching<T>| {
+        row.coupling[column.stop] / column.coupling[column.stop]
+    };
+    let matrix = touching.iter().map(|row| {
+        let columns = touching.iter();
+        columns.map(|column| entry(row, column)).collect()
+    });
+    let gaps = || touching.iter().map(|one| one.gap).collect();
+    let found = eliminated(matrix.collect(), gaps());
+    let is_sound = |shift: &T| shift.value().is_finite();
+    found
+        .filter(|all| all.iter().all(is_sound))
+        .unwrap_or_else(gaps)
+}
+
 /// The impulses of these stops that make what the law compares vanish at each.
 fn solved<T: Scalar>(touching: &[Touching<T>], chosen: &[usize]) -> Option<Vec<T>> {
     let count = chosen.len();
     let entry =
         |row: usize, column: usize| touching[chosen[row]].coupling[touching[chosen[column]].stop];
-    let mut matrix: Vec<Vec<T>> = (0..count)
+    let matrix = (0..count)
         .map(|row| (0..count).map(|column| entry(row, column)).collect())
         .collect();
-    let mut right: Vec<T> = chosen.iter().map(|&one| -touching[one].wanted()).collect();
+    let right = chosen.iter().map(|&one| -touching[one].wanted()).collect();
+    eliminated(matrix, right)
+}
+
+/// The solution of linear equations by elimination; `None` where a pivot vanishes to rounding.
+fn eliminated<T: Scalar>(mut matrix: Vec<Vec<T>>, mut right: Vec<T>) -> Option<Vec<T>> {
+    let count = right.len();
+    let sizes = matrix.iter().flatten().map(|entry| entry.value().abs());
+    let largest = sizes.fold(0.0, f64::max);
     for pivot in 0..count {
         let size = |row: &usize| matrix[*row][pivot].value().abs();
         let best = (pivot..count).max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        if matrix[best][pivot].value() == 0.0 {
+        if size(&best) <= ROUNDING * largest {
             return None;
         }
         matrix.swap(pivot, best);

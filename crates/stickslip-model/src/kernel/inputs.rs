@@ -8,7 +8,7 @@ use stickslip::dynamics::Jumps;
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
-use super::impacts::Impacts;
+use super::impacts::{Impacts, ROUNDING};
 use crate::expression::{self, Place, Tape};
 use crate::file::StopEvent;
 
@@ -263,12 +263,24 @@ pub struct Jump {
     pub direction: Direction,
     /// Condition of the jump; `None` if it always happens.
     pub condition: Option<JumpCondition>,
+    /// The choices in the formulas of the states after the jump.
+    pub choices: Vec<Choice>,
     /// The states after the jump.
     pub set: Map,
     /// The run ends with this jump of the count.
     pub most: Option<u64>,
     /// The stop that it is an event of, and which one.
     pub of_stop: Option<(usize, StopEvent)>,
+}
+
+/// A choice in what a jump sets.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Choice {
+    /// The condition that decides.
+    pub condition: JumpCondition,
+    /// The choices of the jump, by number, of whose branch it is part: that where they hold, or the
+    /// other one.
+    pub within: Vec<(usize, bool)>,
 }
 
 /// The condition of a jump.
@@ -285,13 +297,18 @@ pub struct JumpCondition {
 impl Jump {
     /// The jump with other values of the held numbers of its graph.
     fn with_held(&self, held: &Arc<[f64]>) -> Self {
-        let condition = self.condition.as_ref().map(|condition| JumpCondition {
+        let bound = |condition: &JumpCondition| JumpCondition {
             leads: condition.leads.with_held(held),
             ..condition.clone()
+        };
+        let choices = self.choices.iter().map(|choice| Choice {
+            condition: bound(&choice.condition),
+            within: choice.within.clone(),
         });
         Jump {
             when: self.when.with_held(held),
-            condition,
+            condition: self.condition.as_ref().map(bound),
+            choices: choices.collect(),
             set: match &self.set {
                 Map::Formulas(tape) => Map::Formulas(tape.with_held(held)),
                 of_stop => of_stop.clone(),
@@ -307,6 +324,27 @@ impl JumpCondition {
         let mut leads = vec![f64::NAN; self.count];
         self.leads.evaluate(t, x, &mut leads);
         judged(&self.test, &mut leads.into_iter())
+    }
+
+    /// Whether a comparison that decides is between equal numbers, to rounding, and a change of the
+    /// time or of a state that is not discrete makes one of them larger.
+    fn is_tied(&self, t: f64, x: &[f64], discrete: &[bool]) -> bool {
+        let mut leads = vec![f64::NAN; self.count];
+        self.leads.evaluate(t, x, &mut leads);
+        let slopes = slopes(&self.leads, self.count, t, x);
+        (0..self.count).any(|number| {
+            let of = &slopes[number];
+            let moves = |state: usize| discrete.get(state) != Some(&true);
+            let by_state = of.by_state.iter().enumerate();
+            let is_moved = of.in_time != 0.0 || { by_state }
+                .any(|(state, slope)| *slope != 0.0 && moves(state));
+            let [one, other] = [1.0, -1.0].map(|side| {
+                let mut leads = leads.clone();
+                leads[number] = side;
+                judged(&self.test, &mut leads.into_iter())
+            });
+            of.value.abs() <= ROUNDING * of.size(t, x) && is_moved && one != other
+        })
     }
 }
 
@@ -328,6 +366,48 @@ fn judged(test: &expression::Condition, leads: &mut impl Iterator<Item = f64>) -
             Some(lead > 0.0 || *with_equal && lead == 0.0)
         }
     }
+}
+
+/// The derivatives of a function by the states and by time.
+struct Slopes {
+    value: f64,
+    by_state: Vec<f64>,
+    in_time: f64,
+}
+
+impl Slopes {
+    /// Size of the terms of the function, by which rounding of the state and time changes it.
+    fn size(&self, t: f64, x: &[f64]) -> f64 {
+        let sizes = self.by_state.iter().zip(x);
+        let sizes = sizes.map(|(slope, x)| (slope * x).abs());
+        sizes.sum::<f64>() + (self.in_time * t).abs()
+    }
+}
+
+/// The derivatives of so many functions.
+fn slopes(functions: &Tape, count: usize, t: f64, x: &[f64]) -> Vec<Slopes> {
+    let mut all = Vec::with_capacity(count);
+    // The last direction is that of time.
+    for direction in 0..=x.len() {
+        let seed = |at: usize| f64::from(u8::from(at == direction));
+        let seeded = x.iter().enumerate().map(|(i, x)| Dual::new(*x, seed(i)));
+        let seeded: Vec<Dual<f64>> = seeded.collect();
+        let mut out = vec![Dual::new(0.0, 0.0); count];
+        functions.evaluate(Dual::new(t, seed(x.len())), &seeded, &mut out);
+        all.push(out);
+    }
+    let of = |number: usize| Slopes {
+        value: all[0][number].re,
+        by_state: (0..x.len()).map(|state| all[state][number].eps).collect(),
+        in_time: all[x.len()][number].eps,
+    };
+    (0..count).map(of).collect()
+}
+
+/// Whether a function is negative by more than rounding of the state and time.
+fn is_clearly_negative(function: &Tape, t: f64, x: &[f64]) -> bool {
+    let mut all = slopes(function, 1, t, x).into_iter();
+    all.any(|one| one.value < -ROUNDING * one.size(t, x))
 }
 
 /// Map of the states by a jump.
@@ -420,12 +500,16 @@ impl Switching {
                 tape.evaluate(t, &before, x);
                 // A jump of the file may move what a closed stop carries.
                 if let Some(impacts) = impacts.filter(|_| jump.of_stop.is_none()) {
+                    let carried = impacts.carrying(&before);
                     impacts.settle(t, &before, x);
+                    self.release(impacts, &carried, t, x);
                 }
             }
             Map::Impact(stop) => {
                 if let Some(impacts) = impacts {
+                    let carried = impacts.carrying(x);
                     impacts.strike(*stop, t, x);
+                    self.release(impacts, &carried, t, x);
                 }
             }
             Map::Landing(stop) => {
@@ -439,6 +523,49 @@ impl Switching {
                 }
             }
         }
+    }
+
+    /// Opens those of the stops that an impact has closed whose reactions would pull: the body is
+    /// at rest on such a stop for an instant only. A lift-off in that instant would be a second
+    /// event whose time the first one decides.
+    ///
+    /// As few open as possible, so that no other reaction pulls, and that of each would pull if it
+    /// alone were closed as well. None where no choice does.
+    fn release<T: Scalar>(&self, impacts: &Impacts, carried: &[bool], t: T, x: &mut [T]) {
+        let closed = impacts.closed.iter().zip(carried).enumerate();
+        let new: Vec<(usize, &Tape)> = closed
+            .filter(|(_, (closed, carried))| x[**closed].value() > 0.5 && !**carried)
+            .filter_map(|(stop, (closed, _))| Some((*closed, self.reaction(stop)?)))
+            .collect();
+        let values: Vec<f64> = x.iter().map(|x| x.value()).collect();
+        let is_open = |set: usize, number: usize| set & 1 << number != 0;
+        let pulls = |set: usize, number: usize| {
+            let mut x = values.clone();
+            for (other, (closed, _)) in new.iter().enumerate() {
+                x[*closed] = f64::from(u8::from(!is_open(set, other)));
+            }
+            is_clearly_negative(new[number].1, t.value(), &x)
+        };
+        let mut sets: Vec<usize> = (0..1 << new.len()).collect();
+        sets.sort_by_key(|set| set.count_ones());
+        let follows = |set: &usize| {
+            let mut all = 0..new.len();
+            // With a stop closed that the set opens, the reaction there must pull.
+            all.all(|number| pulls(*set & !(1 << number), number) == is_open(*set, number))
+        };
+        let set = sets.into_iter().find(follows).unwrap_or(0);
+        for (number, (closed, _)) in new.iter().enumerate() {
+            if is_open(set, number) {
+                x[*closed] = T::zero();
+            }
+        }
+    }
+
+    /// The function of a stop's lift-off.
+    fn reaction(&self, stop: usize) -> Option<&Tape> {
+        let lift_off = Some((stop, StopEvent::LiftOff));
+        let mut jumps = self.jumps.iter();
+        Some(&jumps.find(|jump| jump.of_stop == lift_off)?.when)
     }
 
     /// Impulses of all stops at a jump, from the state before it.
@@ -464,6 +591,20 @@ impl Switching {
     pub fn happens(&self, jump: usize, t: f64, x: &[f64]) -> bool {
         let condition = self.jumps[jump].condition.as_ref();
         condition.is_none_or(|condition| condition.holds(t, x) != Some(false))
+    }
+
+    /// Whether what a jump does hangs on equal numbers: a small change of state or time decides.
+    fn is_tied(&self, jump: usize, t: f64, x: &[f64]) -> bool {
+        let jump = &self.jumps[jump];
+        let is_tied = |of: &JumpCondition| of.is_tied(t, x, &self.discrete);
+        let counts = |choice: &Choice| {
+            let mut within = choice.within.iter();
+            within
+                .all(|(number, holds)| jump.choices[*number].condition.holds(t, x) == Some(*holds))
+        };
+        let mut choices = jump.choices.iter();
+        jump.condition.as_ref().is_some_and(is_tied)
+            || choices.any(|choice| counts(choice) && is_tied(&choice.condition))
     }
 
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
@@ -508,6 +649,10 @@ impl<const N: usize> Jumps<N> for Switching {
         Switching::happens(self, jump, t, x)
     }
 
+    fn is_tied(&self, jump: usize, t: f64, x: &[f64; N]) -> bool {
+        Switching::is_tied(self, jump, t, x)
+    }
+
     fn is_conditional(&self, jump: usize) -> bool {
         self.jumps[jump].condition.is_some()
     }
@@ -545,6 +690,12 @@ impl<const N: usize> Jumps<N> for Switching {
             StopEvent::LiftOff => return None,
         };
         (*x.get(closed)? > 0.5).then_some(kept)
+    }
+
+    fn half_carried(&self, x: &[f64], within: f64) -> Option<f64> {
+        let closed = self.impacts.iter().flat_map(|impacts| &impacts.closed);
+        let mut values = closed.filter_map(|&closed| x.get(closed).copied());
+        values.find(|value| value.abs().min((value - 1.0).abs()) > within)
     }
 
     fn is_reaction(&self, jump: usize) -> bool {

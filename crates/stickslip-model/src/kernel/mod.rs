@@ -16,7 +16,7 @@ use stickslip::{Ending, Error, Options, TransitionKind};
 pub use compiled::{Size, dynamics};
 pub use impacts::Impacts;
 pub use inputs::{
-    HELD_PER_INPUT, Input, InputPiece, Jump, JumpCondition, Map, Shape, Switching, pulse,
+    Choice, HELD_PER_INPUT, Input, InputPiece, Jump, JumpCondition, Map, Shape, Switching, pulse,
 };
 pub use system::{
     ByCombination, Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction,

@@ -223,6 +223,7 @@ impl OrbitSearch<'_> {
                 | Error::TangentSingular { .. }
                 | Error::ChainedJumps { .. }
                 | Error::SimultaneousEvents { .. }
+                | Error::TiedChoice { .. }
                 | Error::EventPileUp { .. }
                 | Error::Shrunk { .. }
         );

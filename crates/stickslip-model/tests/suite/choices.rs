@@ -1,7 +1,8 @@
 //! Choices at jumps, and the functions that others make up.
 
-use stickslip::math;
+use stickslip::{Error, math};
 use stickslip_model::file::{Source, SystemFile};
+use stickslip_model::study::Variables;
 
 use super::run::{METHODS, Run, branch, options, orbit, system};
 
@@ -179,6 +180,70 @@ fn a_condition_counts_at_a_start_and_behind_another_jump() {
         let run = Run::of(system(&text("t < 1")), &options(method), Some(3.5));
         assert_eq!([run.end("a"), run.end("b")], [11.0, 2.0], "{method}");
         assert_eq!(run.transitions[0].0, 0.0);
+    }
+}
+
+/// A ball whose last impact is exactly as fast as the choice asks: the run goes on, and its
+/// derivatives end there by name. A little beside it they are those of the branch.
+#[test]
+fn a_choice_between_equal_numbers_is_told_as_a_graze() {
+    for (set, tied) in [
+        ("v = \"if(-v < vmin, -0.8*e*v, -e*v)\"", true),
+        ("v = \"if(n > 0.5 and -v < vmin, -0.8*e*v, -e*v)\"", false),
+        ("v = \"if(n > 0.5, if(-v < vmin, 0, -v), -e*v)\"", false),
+        (
+            "v = \"if(n < 0.5, if(-v < vmin, -0.8*e*v, -e*v), 0)\"",
+            true,
+        ),
+        ("v = \"if(n < 0 or n <= 0, -e*v, 0)\"", false),
+    ] {
+        let text = format!(
+            "name = \"ball\"\n[states]\nh = \"\"\nv = \"\"\n[discrete]\nn = 0\n[parameters]\n\
+             e = 0.5\nvmin = 0.5\n[jumps.bounce]\nwhen = \"h\"\ndirection = \"falling\"\n\
+             set = {{ {set} }}\n[field]\nh = \"v\"\nv = -1\n[start]\nh = 0.5\nv = 0\n\
+             [time]\nend = 2.3\n"
+        );
+        for method in METHODS {
+            let system = system(&text);
+            let variables = Variables::named(&system, ["h", "e"]).unwrap();
+            let along = |h: f64| {
+                let start = [h, 0.0, 0.0];
+                let of = ((0.0, &start[..]), 2.3);
+                variables
+                    .along(&system, of, (&[2.3], &[]), &options(method))
+                    .unwrap()
+            };
+            let exact = along(0.5);
+            // It falls onto the floor at 1 with the speed 1, and at 2 with 0.5.
+            assert_eq!(exact.transitions.len(), 2, "{method}, {set}");
+            // It goes on by one of the branches.
+            let height = |speed: f64| speed * 0.3 - 0.5 * 0.3 * 0.3;
+            let found = exact.points[0][0];
+            let slower = if tied { 0.2 } else { 0.25 };
+            let off = [0.25, slower].map(|speed| (found - height(speed)).abs());
+            assert!(off[0].min(off[1]) < 1e-12, "{method}, {set}: {found}");
+            assert!(exact.transitions[0].t[0].is_finite());
+            match (&exact.lost, tied) {
+                (Some(Error::TiedChoice { t, jump: 0, .. }), true) => {
+                    assert!((t - 2.0).abs() < 1e-12);
+                    assert!(exact.states[0][(0, 0)].is_nan());
+                }
+                (None, false) => assert!(exact.states[0][(0, 0)].is_finite()),
+                (lost, _) => panic!("{method}, {set}: {lost:?}"),
+            }
+            // The flow after two impacts from h: with V = sqrt(2 h), the second one is at
+            // V (1 + 2 e) and leaves with e² V.
+            let beside = along(0.52);
+            assert!(beside.lost.is_none(), "{:?}", beside.lost);
+            let (speed, e) = (1.04_f64.sqrt(), 0.5);
+            let flight = 2.3 - speed * (1.0 + 2.0 * e);
+            let by_speed = e * e * flight - (e * e * speed - flight) * (1.0 + 2.0 * e);
+            let found = beside.states[0][(0, 0)];
+            assert!(
+                (found - by_speed / speed).abs() < 1e-9,
+                "{method}, {set}: {found}"
+            );
+        }
     }
 }
 

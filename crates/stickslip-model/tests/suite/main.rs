@@ -28,6 +28,7 @@ mod past;
 mod pile_ups;
 mod public_cases;
 mod random_hybrid;
+mod random_stops;
 mod recorded;
 mod references;
 mod resume;

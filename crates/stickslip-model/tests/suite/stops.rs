@@ -161,6 +161,47 @@ fn a_plastic_impact_and_a_start_at_rest_close_at_once() {
 }
 
 #[test]
+fn a_start_says_whether_a_stop_carries() {
+    let at_rest = BALL.replace("h = 1\nv = 0\ns = 0", "h = 0\nv = 0\ns = 0\nCLOSED");
+    for closed in ["floor.closed = 1", "\"floor.closed\" = 1.0"] {
+        let run = Run::of(
+            system(&at_rest.replace("CLOSED", closed)),
+            &options("taylor"),
+            None,
+        );
+        assert_eq!(run.transitions, []);
+        assert_eq!(run.end("floor.closed"), 1.0);
+    }
+    for (closed, message) in [
+        ("floor = 1", "there is no state `floor`; `floor` is a stop"),
+        ("floor.open = 1", "has no entry `open`"),
+        (
+            "\"floor.open\" = 1",
+            "there is no state `floor.open`; `floor` is a stop",
+        ),
+        (
+            "floor.closed = 0.5",
+            "is 0, or 1 where the stop carries, and not 0.5",
+        ),
+        ("floor.closed = true", "a number is expected here"),
+    ] {
+        let source = stickslip_model::file::Source {
+            name: "ball.toml".to_owned(),
+            text: at_rest.replace("CLOSED", closed),
+        };
+        let error = stickslip_model::file::SystemFile::parse(source).unwrap_err();
+        assert!(error.to_string().contains(message), "{closed}: {error}");
+    }
+    let start = (0.0, vec![1.0, 0.0, 0.0, 0.5]);
+    let run = Run::from(system(BALL), &options("taylor"), (start, 5.0));
+    assert!(
+        matches!(run.ended, Err(Error::Parameter { value: 0.5, .. })),
+        "{:?}",
+        run.ended
+    );
+}
+
+#[test]
 fn no_run_starts_behind_a_stop() {
     let start = (0.0, vec![-0.25, 1.0, 0.0, 0.0]);
     let run = Run::from(system(BALL), &options("taylor"), (start, 5.0));

@@ -8,7 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::{Modes, Step, Vector};
 use stickslip::{Error, Options, math};
-use stickslip_model::study::{Along, StepMonitor, WholeBranch};
+use stickslip_model::study::{Along, StepMonitor, Variables, WholeBranch};
 
 use super::run::{METHODS, Run, branch, options, orbit, system, with};
 
@@ -199,6 +199,111 @@ fn a_carried_oscillator_has_the_multipliers_and_exponents_of_the_free_one() {
             "{values:?}"
         );
         assert!(values[2..].iter().all(|one| *one == f64::NEG_INFINITY));
+    }
+}
+
+/// An oscillator with negative damping; the wall at 1 takes all of its speed and lets go at once.
+const EXCITED: &str = r#"name = "Excited oscillator at a wall"
+[states]
+x = ""
+v = ""
+[parameters]
+d = 0.1
+[field]
+x = "v"
+v = "-x + 2*d*v"
+[stops.wall]
+gap = "1 - x"
+acts = { v = -1 }
+restitution = 0
+[start]
+x = 0.5
+v = 0.2
+[time]
+end = 30
+"#;
+
+/// Time of the return of the excited oscillator to the wall, from rest there.
+fn time_of_return(d: f64) -> f64 {
+    let om = (1.0 - d * d).sqrt();
+    let place = |t: f64| math::exp(d * t) * (math::cos(om * t) - d / om * math::sin(om * t)) - 1.0;
+    numerics::bisect(1.5 * PI, 2.0 * PI, |t| place(t) >= 0.0)
+}
+
+#[test]
+fn a_plastic_impact_that_lets_go_leaves_no_direction() {
+    let d = 0.1;
+    let exact = time_of_return(d);
+    for method in METHODS {
+        let system = system(EXCITED);
+        let run = Run::of(system, &options(method), None);
+        let names: Vec<&str> = run.transitions.iter().map(|at| at.2.as_str()).collect();
+        assert!(names.len() > 2 && names.iter().all(|name| *name == "wall.impact"));
+        for pair in run.transitions.windows(2) {
+            assert!((pair[1].0 - pair[0].0 - exact).abs() < 1e-11, "{method}");
+        }
+        let found = orbit(&run.system, &options(method));
+        assert!(
+            (found.period - exact).abs() < 1e-11,
+            "{method}: {}",
+            found.period
+        );
+        assert_eq!(found.family, 0);
+        // Along the flow it is 1; gap and rate are annihilated, whatever moves.
+        let all = multipliers(&found.monodromy);
+        assert!((all[0].re - 1.0).abs() < 1e-9, "{method}: {all:?}");
+        assert!(all[1..].iter().all(|one| one.norm() < 1e-9), "{all:?}");
+        // The state after the impact follows its time alone, and so does the next one.
+        let by = ["x", "v", "d"];
+        let variables = Variables::named(&run.system, by).unwrap();
+        let start = run.system.start().unwrap();
+        let of = ((0.0, &start[..]), 25.0);
+        let along = variables.along(&run.system, of, (&[25.0], &[]), &options(method));
+        let along = along.unwrap();
+        assert!(along.lost.is_none(), "{:?}", along.lost);
+        let impacts: Vec<_> = along.transitions.iter().map(|at| at.t.clone()).collect();
+        for (k, slopes) in impacts.iter().enumerate().skip(1) {
+            assert!((slopes[0] - impacts[0][0]).abs() < 1e-9, "{method}, {k}");
+            assert!((slopes[1] - impacts[0][1]).abs() < 1e-9, "{method}, {k}");
+            let step = 1e-5;
+            let by_d = (time_of_return(d + step) - time_of_return(d - step)) / (2.0 * step);
+            let longer = slopes[2] - impacts[k - 1][2];
+            assert!(
+                (longer - by_d).abs() < 1e-7,
+                "{method}, {k}: {longer}, {by_d}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_plastic_impact_carries_or_lets_go_as_the_reaction_pushes_or_pulls() {
+    // In a period it meets the wall twice: where the force pulls it back at once, and where it
+    // presses.
+    let text = "name = \"driven\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nF = 1\n\
+                [field]\nx = \"v\"\nv = \"-x - 0.1*v + F*cos(0.5*t)\"\n[stops.wall]\n\
+                gap = \"0.3 - x\"\nacts = { v = -1 }\nrestitution = 0\n[start]\nx = 0\nv = 0\n\
+                [time]\nend = 20\nperiod = \"4*pi\"\n";
+    for method in METHODS {
+        let driven = system(text);
+        let found = orbit(&driven, &options(method));
+        assert!((found.period - 4.0 * PI).abs() < 1e-12);
+        assert_eq!(found.family, 0);
+        let all = multipliers(&found.monodromy);
+        assert!(all.iter().all(|one| one.norm() < 1e-9), "{all:?}");
+        // It lifts off where F cos(t/2) = 0.3 on the way down, once in two impacts.
+        let lifts = 2.0 * math::acos(0.3);
+        let run = Run::of(driven, &options(method), Some(40.0 * PI));
+        let times = |name: &str| {
+            let of = run.transitions.iter().filter(|at| at.2 == name);
+            of.map(|at| at.0).collect::<Vec<f64>>()
+        };
+        let (impacts, lift_offs) = (times("wall.impact"), times("wall.lift-off"));
+        assert!(lift_offs.len() == 10 && impacts.len().abs_diff(20) <= 1);
+        for t in lift_offs {
+            let within = (t - lifts).rem_euclid(4.0 * PI);
+            assert!(within.min(4.0 * PI - within) < 1e-10, "{method}: {t}");
+        }
     }
 }
 

@@ -88,12 +88,16 @@ impl<'a> Tangent<'a> {
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
-    /// [`Error::ChainedJumps`].
+    /// [`Error::ChainedJumps`] and [`Error::TiedChoice`].
     fn reset(&self, at: &Transition, kink: Option<usize>) -> Result<Saltation, Error> {
         let here = at.moment();
         let mut reset = self.system.reset(at.contact, &here);
         if let Some(input) = kink {
             (_, reset.gradient, reset.in_time) = self.system.clock(input, &here);
+        }
+        if reset.is_tied {
+            let (t, x, jump) = (at.t, Point::from(&at.x), at.contact);
+            return Err(Error::TiedChoice { t, x, jump });
         }
         let after_jump = Moment {
             t: at.t,

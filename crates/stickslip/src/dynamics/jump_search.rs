@@ -118,6 +118,15 @@ where
         let jumps = view.jumps;
         let (t, x) = (integration.t(), components(integration.x()));
         let kink = jumps.next_kink(t, x, t_end);
+        if !integration.is_prescribed()
+            && let Some(value) = jumps.half_carried(x, options.atol.largest() + options.rtol)
+        {
+            return Err(Error::Parameter {
+                name: "NAME.closed of a stop",
+                value,
+                bound: "0, or 1 where the stop carries",
+            });
+        }
         if jumps.count() == 0 && kink == f64::INFINITY {
             return Ok(None);
         }
@@ -470,6 +479,11 @@ where
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
             self.leave_zero(number, due.left, integration);
+            // After its impact, a gap that stays closed without being kept rises.
+            if self.jumps.is_never_negative(number) && self.search.stands_at_zero(number) {
+                let left = self.search.left_of_zero(number);
+                self.search.stand_at_zero(number, left, 1.0);
+            }
             // A jump that moves its function by less than rounding, to where the function goes on
             // to the next jump, has no end but an accumulation.
             let value = |x: &State<N>| self.jumps.when(number, t, components(x));

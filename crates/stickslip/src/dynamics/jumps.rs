@@ -130,6 +130,18 @@ pub trait Jumps<const N: usize> {
         None
     }
 
+    /// Whether a choice of this jump hangs on numbers that are equal to rounding, so that a small
+    /// change of state or time decides it. By default none does.
+    fn is_tied(&self, _jump: usize, _t: f64, _x: &[f64; N]) -> bool {
+        false
+    }
+
+    /// The value in a state that says whether a stop carries, if it is neither 0 nor 1 within an
+    /// error. By default there are no stops.
+    fn half_carried(&self, _x: &[f64], _within: f64) -> Option<f64> {
+        None
+    }
+
     /// Whether the function of a jump is a reaction, which only pushes: a run that starts where it
     /// pulls begins with this jump.
     fn is_reaction(&self, _jump: usize) -> bool {
@@ -249,6 +261,8 @@ pub struct Reset {
     pub in_time: f64,
     /// The direction in which that function passes through zero at the jump.
     pub direction: Direction,
+    /// Whether what it does hangs on numbers that are equal to rounding.
+    pub is_tied: bool,
     /// Whether another jump follows where occurrences of this one accumulate.
     pub rests: bool,
     /// Whether it follows another jump in that way: its time is that of the accumulation.

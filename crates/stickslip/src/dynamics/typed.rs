@@ -316,6 +316,7 @@ where
             direction: of.jumps.direction(jump),
             gradient: of.vector(&gradient),
             in_time,
+            is_tied: of.jumps.is_tied(jump, t, x_there),
             rests: of.jumps.rests(jump).is_some(),
             lands: (0..of.jumps.count()).any(|other| of.jumps.rests(other) == Some(jump)),
         }
