@@ -106,7 +106,8 @@
 //!   ([`TransitionKind`]) and [`StepRecord`], or returns a [`Failure`]. [`run`] reports them to
 //!   an [`Observer`]. [`Integration`] takes single steps and returns [`Progress`]. [`ensemble`]
 //!   runs from every [`Start`] of many. The systems that they take are [`Switched`].
-//! - **Settings**: [`Options`], with [`Method`], [`Locator`], [`AtRepelling`] and [`AtPileUp`].
+//! - **Settings**: [`Options`], with [`Method`], [`AbsoluteTolerance`], [`Locator`],
+//!   [`AtRepelling`] and [`AtPileUp`].
 //! - **Ends**: [`Summary`], with [`Ending`] and [`Counters`]; [`TwoFold`] and the [`Approach`]
 //!   to it.
 //! - **Events**: [`EventFunctions`] and their [`Direction`], such as [`Plane`] and [`Strobe`].

@@ -38,7 +38,7 @@ pub(super) fn read(
             }
             (None, Some(file)) => {
                 let columns = ["argument", "value"];
-                (file.place(), from_file(source, file, columns)?)
+                (file.place(), from_file(source, file, columns, true)?)
             }
             _ => {
                 let place = table.place.clone();

@@ -163,7 +163,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values"))
     {
         (Some(file), None, None) => {
-            let (times, values) = from_file(source, file, ["time", "value"])?;
+            let (times, values) = from_file(source, file, ["time", "value"], false)?;
             (times, values, file.place())
         }
         (None, Some(times), Some(values)) => (times.list()?, values.list()?, times.place()),
@@ -229,11 +229,13 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     Ok(InputShape::Table(pieces.collect()))
 }
 
-/// The two columns of a file, relative to the system's file. Messages call them by these names.
+/// The first two columns of a file, relative to the system's file. Messages call them by these
+/// names. Where they are the only ones, a third is refused.
 pub(super) fn from_file(
     source: &Source,
     entry: Entry<'_>,
     columns: [&str; 2],
+    are_alone: bool,
 ) -> Result<(Vec<f64>, Vec<f64>), Problem> {
     let name = entry.text()?;
     let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
@@ -248,7 +250,7 @@ pub(super) fn from_file(
     let mut table = TextTable::new(&input, BufReader::new(file)).map_err(refused)?;
     let (mut times, mut values) = (Vec::new(), Vec::new());
     while let Some((line, cells)) = table.row().map_err(refused)? {
-        if cells.iter().skip(2).any(|cell| !cell.is_empty()) {
+        if are_alone && cells.iter().skip(2).any(|cell| !cell.is_empty()) {
             let names = table.names.iter().flatten().map(String::as_str);
             let names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
             let names = match names[..] {

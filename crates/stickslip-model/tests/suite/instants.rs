@@ -338,7 +338,7 @@ fn a_slide_ends_at_a_two_fold_however_many_contacts_there_are() {
     };
     let at = |tolerance, method: &str| Options {
         rtol: tolerance,
-        atol: tolerance,
+        atol: tolerance.into(),
         ..options(method)
     };
     for contacts in [("", ""), (second, " + 0*far")] {

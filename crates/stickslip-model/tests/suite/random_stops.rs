@@ -229,7 +229,7 @@ fn found(chain: &Chain, system: &System, method: &str) -> Found {
                 let step = orbit.last_step();
                 let (t, x) = (step.t_end, step.x_end.as_slice());
                 let size = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-                let least = -BEHIND * (options.atol + options.rtol * size);
+                let least = -BEHIND * (options.atol.largest() + options.rtol * size);
                 let gaps = chain.gaps(t, x);
                 let behind = gaps.iter().position(|gap| *gap < least);
                 wrong = behind.map(|stop| format!("gap {stop} is {:e} at t = {t}", gaps[stop]));

@@ -9,12 +9,12 @@ use super::locate::{DenseGuard, Limits, Origin, StepMethod};
 use super::options::Locator;
 use super::run::{StepState, Trial};
 use super::scan::{BoundsBudget, is_defined};
-use super::uncertainty::{propagate, uncertainty};
+use super::uncertainty::{attracts, uncertainty};
 use crate::error::Error;
 use crate::interval::Interval;
 use crate::ode::control::{squared_error, step_factor};
 use crate::ode::{Dense, RungeKutta, Stages, Timed, dense_slopes, further_slopes, stages};
-use crate::system::{State, components};
+use crate::system::State;
 
 /// A guard is not a number in a part of the step.
 pub(crate) struct Undefined;
@@ -259,9 +259,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
                 Some(Event { at, .. }) => (at.t, at.x),
                 None => (origin.t + origin.h, dense.at(1.0)),
             };
-            let of = (origin.flow.dimension(), &self.options.tolerance());
-            let [blur] = propagate(&Timed { t, x }, of, |t, x| [origin.flow.attraction(t, x)]);
-            origin.flow.attraction(t, components(&x)) >= -blur.zero()
+            attracts(origin.flow, &Timed { t, x }, &self.options)
         };
         match first {
             None if is_undefined => Err(Undefined),

@@ -1,8 +1,10 @@
 //! The uncertainty of a guard at a state.
 
 use super::flow::{Flow, seeded};
+use super::options::Options;
 use crate::dual::Dual;
 use crate::ode::{Timed, Tolerance};
+use crate::system::components;
 
 /// Uncertainty of guard `i` at a state, from that of the state: by the tolerance of the
 /// integration, and by rounding alone.
@@ -55,6 +57,21 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
     let of = (flow.dimension(), tolerance);
     let [one] = propagate(at, of, |t, x| [flow.guard(i, t, x)]);
     one
+}
+
+/// Whether both sides of the boundary along which a mode slides lead towards it, to within the
+/// precision of an event. A slide cannot pass a two-fold, behind which they lead apart.
+pub(crate) fn attracts<F: Flow<N>, const N: usize>(
+    flow: &F,
+    at: &Timed<N>,
+    options: &Options,
+) -> bool {
+    let attraction: f64 = flow.attraction(at.t, components(&at.x));
+    attraction >= 0.0 || {
+        let of = (flow.dimension(), &options.tolerance());
+        let [blur] = propagate(at, of, |t, x| [flow.attraction(t, x)]);
+        attraction >= -blur.zero()
+    }
 }
 
 /// Uncertainties of all `G` guards at a state.

@@ -10,7 +10,7 @@ use crate::filippov::guard::{Event, Probe, StepGuard, ZeroKind, first_event};
 use crate::filippov::run::StepState;
 use crate::filippov::runge_kutta::Undefined;
 use crate::filippov::scan::{Bracket, first_bracket, zero_in};
-use crate::filippov::uncertainty::uncertainty;
+use crate::filippov::uncertainty::{attracts, uncertainty};
 use crate::ode::{Timed, power_series};
 use crate::taylor::roots::{is_positive, search, slope_and_bend};
 
@@ -194,7 +194,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
     /// where the state is `end`; results beyond that are meaningless.
     ///
     /// # Errors
-    /// If a guard is not defined throughout the step.
+    /// If a guard is not defined throughout the step, or it leads a slide to where its boundary
+    /// repels.
     pub(super) fn first_event<F: Flow<N>>(
         &self,
         run: &mut StepState<N, G>,
@@ -260,7 +261,12 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
                 first = Some(located);
             }
         }
-        Ok(first)
+        let at = first.as_ref().map_or(end, |first| &first.event.at);
+        let is_searched = self.expansion.watched.iter().any(Option::is_some);
+        match is_searched && !attracts(flow, at, &run.options) {
+            true => Err(Undefined),
+            false => Ok(first),
+        }
     }
 
     /// Whether all guards agree with their series at the end of a step over which these are
