@@ -8,7 +8,6 @@ mod continuation;
 mod critical;
 mod cycle;
 mod derivatives;
-mod elimination;
 mod instant;
 mod lagrange;
 mod least_squares;

@@ -1,7 +1,7 @@
 //! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
 use super::steps::Continuation;
-use super::tangent_line::TangentLine;
+use super::tangent_line::{TangentLine, bordered};
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, with_last_digits};
@@ -25,9 +25,7 @@ impl Continuation<'_> {
         let (units, across) = (self.branch.units, line.across());
         let heading = |cycle: &Cycle| Some(line.continued(&shooting, units, cycle)?.heading());
         // Zero where another branch crosses this one (Keller 1977).
-        let determinant = |cycle: &Cycle| cycle.jacobian.with_row(across).determinant();
-        let size = determinant(&self.branch.last).exponent;
-        let border = |cycle: &Cycle| Some(determinant(cycle).over_power(size));
+        let border = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
         let functions: [&Function<'_>; 4] = [&heading, &border, &minus_one, &circle];
@@ -37,19 +35,8 @@ impl Continuation<'_> {
         let flip = self.flip_of_half(line, &next);
         let has_one_tangent = shooting.family == 0 && flip.is_none();
         let first = if has_one_tangent { 0 } else { 2 };
-        // Where two branches meet, the equations leave the tangent undetermined. The rate there is
-        // that of the parabola through both orbits with the tangent at the other one.
-        let chord = (parameter_of(&next) - self.parameter()) / length;
-        let is_undetermined = self.begins_on_other && self.branch.points.len() == 1;
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
-            let Some(b) = function(&next) else {
-                continue;
-            };
-            let a = match kind {
-                0 if is_undetermined => Some(2.0 * chord - b),
-                _ => function(&self.branch.last),
-            };
-            let Some(a) = a else {
+            let (Some(a), Some(b)) = (function(&self.branch.last), function(&next)) else {
                 continue;
             };
             if a * b >= 0.0 {
