@@ -161,6 +161,8 @@
 //!   [`SequenceChange`](analysis::SequenceChange),
 //!   [`SequenceBifurcation`](analysis::SequenceBifurcation)), and its [`Stop`](analysis::Stop).
 //!   [`PartialBranch`](analysis::PartialBranch) is one that can be stored and continued.
+//!   [`branch_multiplier_uncertainties`](analysis::branch_multiplier_uncertainties) are those of
+//!   an orbit on it.
 //!   [`switch_branches`](analysis::switch_branches), and
 //!   [`switch_branches_to`](analysis::switch_branches_to) a depth, return every
 //!   [`SwitchedBranch`](analysis::SwitchedBranch). A [`NormalForm`](analysis::NormalForm) tells
