@@ -187,19 +187,18 @@ impl RecordedOrbit {
     ///
     /// # Examples
     /// ```
-    /// use nalgebra::vector;
     /// use stickslip::dynamics::{AsDynamics, Moment, RecordedOrbit, Sampling};
-    /// use stickslip::{Filippov, Options, Scalar, Side, State};
+    /// use stickslip::{Filippov, Options, Scalar, Side};
     ///
     /// /// A block on a moving belt.
     /// struct Belt;
     ///
     /// impl Filippov<2> for Belt {
-    ///     fn boundary<T: Scalar>(&self, _t: T, x: &State<2, T>) -> T {
-    ///         x[1] - T::from(0.2)
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+    ///         x[1] - 0.2
     ///     }
-    ///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &State<2, T>) -> State<2, T> {
-    ///         vector![x[1], -x[0] - T::from(side.sign())]
+    ///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+    ///         [x[1], -x[0] - side.sign()]
     ///     }
     /// }
     ///
@@ -210,7 +209,8 @@ impl RecordedOrbit {
     ///     RecordedOrbit::solve(&*system, &start, 5.0, &Options::tol(1e-9), &[], sampling)?;
     /// assert_eq!(orbit.points.len(), 3);
     /// assert_eq!(ended?.t, 5.0);
-    /// assert!(orbit.at(2.5)? == orbit.points.iter().nth(1).unwrap().1.to_vec().into());
+    /// let (_, middle) = orbit.points.from(1).next().unwrap();
+    /// assert_eq!(orbit.at(2.5)?.as_slice(), middle);
     /// # Ok::<(), stickslip::Error>(())
     /// ```
     pub fn solve(
