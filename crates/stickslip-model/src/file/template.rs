@@ -203,8 +203,8 @@ impl Template {
                 (Arc::clone(&self.values), values.into());
             move |of: Combination| {
                 let build = |values: &[f64]| Some(build::field(&file, values, free, of).ok()?.0);
-                let field = known.get_or_make(of, || build(&reference))?.as_ref();
-                let bound = field.and_then(|field| field.bound(&values));
+                let field = known.get_or_make(of, || build(&reference));
+                let bound = field.and_then(|field| field.as_ref()?.bound(&values));
                 bound.or_else(|| Some(build(&values)?.tape))
             }
         };

@@ -12,6 +12,7 @@ use stickslip_model::study::{AtValue, Diagram, FrictionWatch, Locates};
 
 use crate::recorded::open;
 use crate::run::{branch, options, parsed, system};
+use crate::stops_with_friction::CORNER;
 
 /// Exponents, choices, inputs, a curve, a period and starts that depend on parameters.
 const EVERYTHING: &str = r#"
@@ -66,46 +67,18 @@ end = "10*k"
 period = "2*pi/w"
 "#;
 
-/// A block between a wall and a floor, with friction in both contacts.
-const CORNER: &str = r#"
-name = "corner"
-[states]
-x = ""
-y = ""
-v = ""
-u = ""
-[parameters]
-F = 0.5
-w = 0.3
-mu = 0.2
-nu = 0.3
-e = 0.6
-m = 1.5
-[contacts.sole]
-boundary = "v"
-friction = "mu*floor.force"
-[contacts.side]
-boundary = "u"
-friction = "nu*wall.force"
-[stops.wall]
-gap = "0.5 - x"
-acts = { v = "-1/m" }
-restitution = "e"
-[stops.floor]
-gap = "y"
-acts = { u = "1/m" }
-restitution = "e^2"
-[field]
-x = "v"
-y = "u"
-v = "(F*cos(w*t) - friction(sole))/m"
-u = "-1 - friction(side)/m"
-[start]
-x = 0
-y = 1
-v = 0
-u = 0
-"#;
+/// A block between a wall and a floor, with masses and restitutions that depend on parameters.
+fn corner() -> String {
+    let text = CORNER.replace("e = 0.6\n", "e = 0.6\nm = 1.5\n");
+    let text = text.replace("acts = { v = -1 }", "acts = { v = \"-1/m\" }");
+    let text = text.replace("acts = { u = 1 }", "acts = { u = \"1/m\" }");
+    let text = text.replace("restitution = 0.5", "restitution = \"e^2\"");
+    let text = text.replace(
+        "F*cos(w*t) - friction(sole)",
+        "(F*cos(w*t) - friction(sole))/m",
+    );
+    text.replace("friction(side)\"", "friction(side)/m\"")
+}
 
 /// Values by which builds decide.
 const SPECIAL: [f64; 9] = [0.0, 1.0, -1.0, 0.5, 2.0, 3.0, -2.0, 1.5, 1e308];
@@ -153,13 +126,29 @@ fn assert_same(bound: &System, built: &System) {
     assert_eq!(decided(bound), decided(built));
 }
 
+/// A system without contacts has one field, whichever side is asked for, also with other values.
+#[test]
+fn a_system_without_contacts_has_the_field_of_both_sides() {
+    let text = "name = \"free\"\n[states]\nx = \"\"\n[parameters]\na = 2\n[field]\nx = \"-a*x\"\n";
+    let base = system(text);
+    for (system, rate) in [
+        (base.with_values(&[("a", 3.0)]).unwrap(), -3.0),
+        (base, -2.0),
+    ] {
+        for above in [0, 1] {
+            let of = Combination { above, held: 0 };
+            assert_eq!(system.field(of, 0.0, &[1.0]), [rate]);
+        }
+    }
+}
+
 /// The tapes, numbers and errors for other values are those of a build with these values, by every
 /// bit.
 #[test]
 fn values_give_what_a_build_with_them_gives() {
     let shipped = ["belt", "forced", "bracket", "leine", "basins", "den-hartog"];
     let shipped = shipped.map(|name| SystemFile::open(name).unwrap());
-    let texts = [EVERYTHING, CORNER].map(parsed);
+    let texts = [EVERYTHING, &corner()].map(parsed);
     let random = &mut SplitMix::new(7);
     for file in shipped.iter().chain(&texts) {
         let base = file.with(&[]).unwrap();
@@ -190,7 +179,7 @@ fn values_give_what_a_build_with_them_gives() {
 /// Other values share one build, except those by which it is decided.
 #[test]
 fn values_by_which_nothing_is_decided_share_a_build() {
-    for text in [EVERYTHING, CORNER] {
+    for text in [EVERYTHING, &corner()] {
         let system = system(text);
         for parameter in &system.file.parameters {
             for k in 0..20 {
@@ -321,7 +310,7 @@ u = "-u - friction(belt)"
 /// Friction laws, reactions and formulas beside a system are built once for all of its values.
 #[test]
 fn what_is_observed_is_built_once() {
-    let system = system(CORNER);
+    let system = system(&corner());
     let observed = [("power", "m*wall.force*v"), ("height", "y/m")];
     let modes = Modes::new(&[Mode::Slip(Side::Below), Mode::Slip(Side::Above)]);
     let mut builds = Vec::new();

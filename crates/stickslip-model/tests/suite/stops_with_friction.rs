@@ -39,7 +39,7 @@ end = 20
 "#;
 
 /// A block in a corner: the friction of either contact follows the reaction of its own stop.
-const CORNER: &str = r#"name = "Block in a corner"
+pub const CORNER: &str = r#"name = "Block in a corner"
 [states]
 x = ""
 y = ""
