@@ -18,7 +18,9 @@ use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::kernel::{follow_all, follow_on};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::past::PastWatch;
-use stickslip_model::study::{DerivativeError, FrictionWatch, StepMonitor, Variables};
+use stickslip_model::study::{
+    DerivativeError, FrictionWatch, StepMonitor, Variables, left_out_at_start,
+};
 
 use crate::errors::{Failure, Keywords, computation, failed, words};
 use crate::fields::{Fields, array};
@@ -283,7 +285,13 @@ fn solved(
         memory = orbit.memory();
         outcome
     });
-    recording.finished(system, outcome, memory)
+    let mut solved = recording.finished(system, outcome, memory);
+    if from.is_none() {
+        solved
+            .doubtful
+            .extend(left_out_at_start(system, &solved.orbit));
+    }
+    solved
 }
 
 /// Time and state of the end of a run.
@@ -342,13 +350,12 @@ pub(crate) fn solve<'py>(
         true => None,
         false => Some(py.detach(|| differentiated(compiled, &variables, run, most.len(), &solved))),
     };
-    let keeps_steps = dense_output;
     let fields = described(
         py,
         compiled,
         solved,
         (t, x.len()),
-        (most.len(), keeps_steps),
+        (most.len(), dense_output),
     )?;
     if let Some(found) = found {
         let found = found.map_err(|error| match error {

@@ -12,7 +12,7 @@ use crate::failure::{CommandLine, Failure};
 use crate::render::{CommandOutput, Report};
 use stickslip_model::file::{Formula, InputShape, Rate, System};
 use stickslip_model::study::tangents::{BoundaryLine, LineResults};
-use stickslip_model::study::warnings;
+use stickslip_model::study::{jumps_at_start, warnings};
 
 /// Show how a file is read, and what looks wrong in it
 #[derive(Debug, clap::Args)]
@@ -117,7 +117,15 @@ fn understood(system: &System, start: Start<'_>) -> Report {
                 (&contact.name, &contact.boundary.text, readable(height));
             format!("{side} the boundary of {name} ({boundary} = {height})")
         });
-        report.lines("start", lines);
+        let names = jumps_at_start(system, start).unwrap_or_default();
+        let names: Vec<&str> = names
+            .into_iter()
+            .map(|jump| &*file.jumps[jump].name)
+            .collect();
+        let jumps = names.iter().map(|name| format!("{name} happens at once"));
+        report
+            .lines("start", lines.chain(jumps))
+            .field("jumps_at_start", &names);
     }
     report.field("boundary", Value::Null);
     if let Some((line, found)) = on_boundary(system, start) {

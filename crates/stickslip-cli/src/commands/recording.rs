@@ -16,7 +16,7 @@ use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
 use stickslip_model::file::{InputShape, Quantities, System};
 use stickslip_model::kernel::{follow_all, follow_on};
-use stickslip_model::study::{FrictionWatch, StepMonitor};
+use stickslip_model::study::{FrictionWatch, StepMonitor, left_out_at_start};
 
 /// Number of parts of a step for a curve through the orbit, which has a point between any two.
 /// Steps of high order are long, so that a curve through their ends alone would be a polygon.
@@ -235,6 +235,11 @@ impl Recording {
         });
         recording.memory = memory;
         recording.finish(system, (friction, quantities), &ended);
+        if from.is_none() {
+            recording
+                .doubtful
+                .extend(left_out_at_start(system, &recording.orbit));
+        }
         (recording, ended)
     }
 
@@ -267,6 +272,9 @@ impl Recording {
         let all = recordings.into_iter().zip(watches).zip(ended);
         let finished = all.map(|((mut recording, watches), ended)| {
             recording.finish(system, watches, &ended);
+            recording
+                .doubtful
+                .extend(left_out_at_start(system, &recording.orbit));
             (recording, ended)
         });
         finished.collect()

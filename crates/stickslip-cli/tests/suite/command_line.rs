@@ -506,6 +506,38 @@ fn friction_of_the_wrong_sign_or_less_at_rest_is_warned_of() {
 }
 
 #[test]
+fn check_and_simulate_report_the_jumps_at_a_start() {
+    let top = folder();
+    let text = "name = \"beats\"\n[states]\nx = \"\"\n[discrete]\nn = 0\n\
+                [jumps.beat]\nwhen = \"sin(t)\"\ndirection = \"rising\"\nset = { n = \"n + 1\" }\n\
+                [jumps.level]\nwhen = \"x\"\nset = { n = \"n + 1\" }\n\
+                [field]\nx = \"1\"\n[start]\nx = 0\n";
+    std::fs::write(top.path().join("beats.toml"), text).unwrap();
+    let checked = json(top.path(), &["check", "beats.toml"]);
+    assert_eq!(checked["jumps_at_start"], serde_json::json!(["level"]));
+    let ran = json(
+        top.path(),
+        &["simulate", "beats.toml", "--until", "1", "--no-figures"],
+    );
+    for found in [&checked, &ran] {
+        let [done] = &found["doubtful"].as_array().unwrap()[..] else {
+            panic!("{found}");
+        };
+        assert!(
+            done.as_str()
+                .unwrap()
+                .contains("the jump beat is due by time alone")
+        );
+    }
+    let lines = program(top.path())
+        .args(["check", "beats.toml"])
+        .assert()
+        .success();
+    let lines = String::from_utf8(lines.get_output().stdout.clone()).unwrap();
+    assert!(lines.contains("level happens at once"), "{lines}");
+}
+
+#[test]
 fn friction_of_a_single_state_is_checked() {
     let top = folder();
     for (sign, warnings) in [("+", 1), ("-", 0)] {

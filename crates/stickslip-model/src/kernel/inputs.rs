@@ -8,8 +8,9 @@ use stickslip::dynamics::Jumps;
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
-use super::impacts::{Impacts, ROUNDING};
-use crate::expression::{self, Place, Tape};
+use super::conditions::{Choice, JumpCondition, is_clearly_negative, passes_by_time};
+use super::impacts::Impacts;
+use crate::expression::{Place, Tape};
 use crate::file::StopEvent;
 
 /// Number of states that an input adds. They are constant from one kink to the next: a value, and a
@@ -273,34 +274,10 @@ pub struct Jump {
     pub of_stop: Option<(usize, StopEvent)>,
 }
 
-/// A choice in what a jump sets.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
-    /// The condition that decides.
-    pub condition: JumpCondition,
-    /// The choices of the jump, by number, of whose branch it is part: that where they hold, or the
-    /// other one.
-    pub within: Vec<(usize, bool)>,
-}
-
-/// The condition of a jump.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JumpCondition {
-    /// The comparisons and how they are joined.
-    pub test: expression::Condition,
-    /// Lead of the number that is asked to be larger, for each comparison in order.
-    pub leads: Tape,
-    /// Number of comparisons.
-    pub count: usize,
-}
-
 impl Jump {
     /// The jump with other values of the held numbers of its graph.
     fn with_held(&self, held: &Arc<[f64]>) -> Self {
-        let bound = |condition: &JumpCondition| JumpCondition {
-            leads: condition.leads.with_held(held),
-            ..condition.clone()
-        };
+        let bound = |condition: &JumpCondition| condition.with_held(held);
         let choices = self.choices.iter().map(|choice| Choice {
             condition: bound(&choice.condition),
             within: choice.within.clone(),
@@ -316,98 +293,6 @@ impl Jump {
             ..self.clone()
         }
     }
-}
-
-impl JumpCondition {
-    /// Whether it holds; `None` where a number that decides it is none.
-    fn holds(&self, t: f64, x: &[f64]) -> Option<bool> {
-        let mut leads = vec![f64::NAN; self.count];
-        self.leads.evaluate(t, x, &mut leads);
-        judged(&self.test, &mut leads.into_iter())
-    }
-
-    /// Whether a comparison that decides is between equal numbers, to rounding, and a change of the
-    /// time or of a state that is not discrete makes one of them larger.
-    fn is_tied(&self, t: f64, x: &[f64], discrete: &[bool]) -> bool {
-        let mut leads = vec![f64::NAN; self.count];
-        self.leads.evaluate(t, x, &mut leads);
-        let slopes = slopes(&self.leads, self.count, t, x);
-        (0..self.count).any(|number| {
-            let of = &slopes[number];
-            let moves = |state: usize| discrete.get(state) != Some(&true);
-            let by_state = of.by_state.iter().enumerate();
-            let is_moved = of.in_time != 0.0 || { by_state }
-                .any(|(state, slope)| *slope != 0.0 && moves(state));
-            let [one, other] = [1.0, -1.0].map(|side| {
-                let mut leads = leads.clone();
-                leads[number] = side;
-                judged(&self.test, &mut leads.into_iter())
-            });
-            of.value.abs() <= ROUNDING * of.size(t, x) && is_moved && one != other
-        })
-    }
-}
-
-/// Whether a condition holds with these leads, of which it takes its own. Of several parts, the
-/// first that decides counts; `None` where it is not defined.
-fn judged(test: &expression::Condition, leads: &mut impl Iterator<Item = f64>) -> Option<bool> {
-    use expression::Condition as Test;
-    let mut first = |parts: &[Test], decides: bool| {
-        let all: Vec<Option<bool>> = parts.iter().map(|part| judged(part, leads)).collect();
-        let found = all.into_iter().find(|part| *part != Some(!decides));
-        found.unwrap_or(Some(!decides))
-    };
-    match test {
-        Test::All(parts) => first(parts, false),
-        Test::Any(parts) => first(parts, true),
-        Test::Not(part) => judged(part, leads).map(|holds| !holds),
-        Test::Comparison { with_equal, .. } => {
-            let lead = leads.next().filter(|lead| !lead.is_nan())?;
-            Some(lead > 0.0 || *with_equal && lead == 0.0)
-        }
-    }
-}
-
-/// The derivatives of a function by the states and by time.
-struct Slopes {
-    value: f64,
-    by_state: Vec<f64>,
-    in_time: f64,
-}
-
-impl Slopes {
-    /// Size of the terms of the function, by which rounding of the state and time changes it.
-    fn size(&self, t: f64, x: &[f64]) -> f64 {
-        let sizes = self.by_state.iter().zip(x);
-        let sizes = sizes.map(|(slope, x)| (slope * x).abs());
-        sizes.sum::<f64>() + (self.in_time * t).abs()
-    }
-}
-
-/// The derivatives of so many functions.
-fn slopes(functions: &Tape, count: usize, t: f64, x: &[f64]) -> Vec<Slopes> {
-    let mut all = Vec::with_capacity(count);
-    // The last direction is that of time.
-    for direction in 0..=x.len() {
-        let seed = |at: usize| f64::from(u8::from(at == direction));
-        let seeded = x.iter().enumerate().map(|(i, x)| Dual::new(*x, seed(i)));
-        let seeded: Vec<Dual<f64>> = seeded.collect();
-        let mut out = vec![Dual::new(0.0, 0.0); count];
-        functions.evaluate(Dual::new(t, seed(x.len())), &seeded, &mut out);
-        all.push(out);
-    }
-    let of = |number: usize| Slopes {
-        value: all[0][number].re,
-        by_state: (0..x.len()).map(|state| all[state][number].eps).collect(),
-        in_time: all[x.len()][number].eps,
-    };
-    (0..count).map(of).collect()
-}
-
-/// Whether a function is negative by more than rounding of the state and time.
-fn is_clearly_negative(function: &Tape, t: f64, x: &[f64]) -> bool {
-    let mut all = slopes(function, 1, t, x).into_iter();
-    all.any(|one| one.value < -ROUNDING * one.size(t, x))
 }
 
 /// Map of the states by a jump.
@@ -591,6 +476,12 @@ impl Switching {
     pub fn happens(&self, jump: usize, t: f64, x: &[f64]) -> bool {
         let condition = self.jumps[jump].condition.as_ref();
         condition.is_none_or(|condition| condition.holds(t, x) != Some(false))
+    }
+
+    /// Whether a jump by a function of time alone is due at a moment.
+    pub fn is_due_by_time(&self, jump: usize, t: f64, x: &[f64]) -> bool {
+        let (of, x) = (&self.jumps[jump], self.extended(t, x));
+        passes_by_time(&of.when, self.states, of.direction, (t, &x)) && self.happens(jump, t, &x)
     }
 
     /// Whether what a jump does hangs on equal numbers: a small change of state or time decides.

@@ -1,6 +1,7 @@
 //! Systems defined at run time: their tapes and the library's solver for them.
 
 mod compiled;
+mod conditions;
 mod impacts;
 mod inputs;
 mod system;
@@ -14,10 +15,9 @@ use stickslip::dynamics::{
 use stickslip::{Ending, Error, Options, TransitionKind};
 
 pub use compiled::{Size, dynamics};
+pub use conditions::{Choice, JumpCondition};
 pub use impacts::Impacts;
-pub use inputs::{
-    Choice, HELD_PER_INPUT, Input, InputPiece, Jump, JumpCondition, Map, Shape, Switching, pulse,
-};
+pub use inputs::{HELD_PER_INPUT, Input, InputPiece, Jump, Map, Shape, Switching, pulse};
 pub use system::{
     ByCombination, Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction,
     sides_to_check,

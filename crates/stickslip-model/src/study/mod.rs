@@ -1,5 +1,6 @@
 //! Studies of a system from a file, shared by the program and the Python package.
 
+mod at_start;
 mod branch;
 mod branch_rows;
 mod derivatives;
@@ -22,6 +23,7 @@ mod warnings;
 
 use stickslip::analysis::RecurrenceSettings;
 
+pub use at_start::{jumps_at_start, left_out_at_start};
 pub use branch::{Along, BranchOrbit, SideBranch, WholeBranch};
 pub use branch_rows::{BranchEnd, SpecialRow, criticality_of, word_of_curve_stop};
 pub use derivatives::{DerivativeError, NoVariable, START_TIME, Variables};

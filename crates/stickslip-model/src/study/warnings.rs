@@ -1,9 +1,9 @@
 //! Warnings about a system that can run, but is probably not what was meant.
 
-use stickslip::dynamics::{Moment, Vector};
 use stickslip::error::{ContactFault, Point, readable};
-use stickslip::{Direction, Error, Options};
+use stickslip::{Direction, Error};
 
+use super::at_start::{jumps_at_start, left_out};
 use super::friction::negative_at;
 use super::tangents::{BoundaryLine, RateJumps};
 use crate::file::{Interface, System};
@@ -11,8 +11,9 @@ use crate::file::{Interface, System};
 /// Warnings about a system. They concern friction that is negative at the start or in the wrong
 /// direction, and static friction below that in slip; friction is evaluated on the boundary of
 /// every contact, next to the start. They also concern jumps that cannot happen soon after the
-/// start, runs that end at their start, and boundaries of several contacts that vanish together and
-/// are dependent there. Without a start only the last are checked.
+/// start or that a run counts as done there, runs that end at their start, and boundaries of
+/// several contacts that vanish together and are dependent there. Without a start only the last are
+/// checked.
 pub fn warnings(
     system: &System,
     start: Option<(f64, &[f64])>,
@@ -25,11 +26,20 @@ pub fn warnings(
             let negative = negative_at(system, contact, start);
             negative.or_else(|| warning_of_contact(system, contact, start))
         }));
+        let (done, error) = match jumps_at_start(system, start) {
+            Ok(done) => (done, None),
+            Err(error) => (Vec::new(), Some(error)),
+        };
         // A run starts at a stop or in front of it, or not at all.
         let all = system.file.jumps.iter().enumerate();
         let jumps = all.filter_map(|(jump, of)| of.of_stop.is_none().then_some(jump));
+        let jumps = jumps.filter(|jump| !done.contains(jump));
         warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
-        warnings.extend(warning_of_start(system, start, interface));
+        warnings.extend(left_out(system, start, &done));
+        warnings.extend(error.map(|error| {
+            let words = interface.words(&error, Some(system));
+            format!("a run does not begin at the start: {words}")
+        }));
     }
     if let Some((contacts, x)) = system.dependent_boundaries() {
         let (t, x) = (system.built.t_start, Point(x));
@@ -84,26 +94,6 @@ fn warning_of_contact(
             readable(-slip)
         )
     })
-}
-
-/// The error with which a run ends at its start, as behind a stop.
-fn warning_of_start(
-    system: &System,
-    (t, x): (f64, &[f64]),
-    interface: &impl Interface,
-) -> Option<String> {
-    let start = Moment {
-        t,
-        x: Vector::from_column_slice(x),
-    };
-    // The times of a run do not matter to its start.
-    let t_end = t + t.abs().max(1.0);
-    let begun = system
-        .dynamics()
-        .begin(&start, t_end, &Options::default(), &[]);
-    let error = begun.err()?;
-    let words = interface.words(&error, Some(system));
-    Some(format!("a run does not begin at the start: {words}"))
 }
 
 /// A jump of one direction whose function is past zero at the start, such as that of a heater which

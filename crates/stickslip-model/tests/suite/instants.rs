@@ -2,10 +2,13 @@
 //! and ends at a jump. All have closed forms.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::ControlFlow;
 
 use numerics::SplitMix;
-use stickslip::dynamics::Passage;
+use stickslip::dynamics::{Moment, OrbitUnderWay, Passage, RecordedOrbit, Sampling, Vector};
 use stickslip::{AtPileUp, Direction, Ending, Error, Options, math};
+use stickslip_model::kernel::follow;
+use stickslip_model::study::{jumps_at_start, left_out_at_start};
 
 use crate::run::{METHODS, Run, end, options, simulated_by, system};
 
@@ -180,7 +183,11 @@ fn a_body_that_starts_on_the_floor_and_falls_bounces_at_once() {
         for (start, jumps) in [
             ((0.0, -1.0), 1),
             ((1e-16, -1.0), 1),
+            // A start is rounded.
+            ((-1e-17, -1.0), 1),
+            ((-1e-17, 1.0), 0),
             ((0.0, 1.0), 0),
+            ((-1e-3, -1.0), 0),
             ((-1.0, -1.0), 0),
         ] {
             let (run, found) = simulated_by(&ball(0.0, 0.5, start, 0.9), &options(method), None);
@@ -189,6 +196,51 @@ fn a_body_that_starts_on_the_floor_and_falls_bounces_at_once() {
                 assert!(t.abs() < 1e-12, "{method}: {t}");
                 assert!((end(&run, "v") - (0.5 - 0.9)).abs() < 1e-12);
             }
+        }
+    }
+}
+
+/// Beats of time and of the state at a start: the run does those of the state and reports the others.
+#[test]
+fn a_jump_of_time_alone_at_the_start_is_reported_as_done() {
+    let text = |start: f64| {
+        format!(
+            "name = \"case\"\n[states]\nx = \"\"\n[discrete]\nn = 0\nm = 0\n\
+             [jumps.beat]\nwhen = \"sin(pi*t)\"\ndirection = \"rising\"\nset = {{ n = \"n + 1\" }}\n\
+             [jumps.fall]\nwhen = \"sin(pi*t)\"\ndirection = \"falling\"\nset = {{ n = \"n + 5\" }}\n\
+             [jumps.never]\nwhen = \"t - {start}\"\nif = \"x < 0\"\nset = {{ n = \"9\" }}\n\
+             [jumps.level]\nwhen = \"x - 1\"\nset = {{ m = \"m + 1\" }}\n\
+             [field]\nx = \"1\"\n[start]\nx = 1\n[time]\nstart = {start}\n"
+        )
+    };
+    for method in METHODS {
+        for (start, left_out) in [(0.0, "the jump beat is"), (4.0, "beat"), (1.25, "")] {
+            let system = system(&text(start));
+            let moment = Moment {
+                t: start,
+                x: Vector::from_vec(system.start().unwrap()),
+            };
+            assert_eq!(
+                jumps_at_start(&system, (start, &moment.x.as_slice())),
+                Ok(vec![3])
+            );
+            let mut orbit = RecordedOrbit::new(&moment, Sampling::Nowhere, false);
+            let mut watcher = |progress, run: &mut dyn OrbitUnderWay| {
+                orbit.take(progress, run);
+                ControlFlow::Continue(())
+            };
+            let (from, options) = ((start, moment.x.as_slice()), options(method));
+            let dynamics = system.dynamics();
+            let ended = follow(dynamics, from, start + 0.5, &options, &[], &mut watcher);
+            let (n, m) = (ended.as_ref().unwrap().x[1], ended.as_ref().unwrap().x[2]);
+            assert_eq!((n, m), (0.0, 1.0), "{method} {start}");
+            let words = left_out_at_start(&system, &orbit).unwrap_or_default();
+            assert_eq!(words.is_empty(), left_out.is_empty(), "{words}");
+            assert!(
+                words.contains(left_out) && !words.contains("fall"),
+                "{words}"
+            );
+            assert!(!words.contains("never"), "{words}");
         }
     }
 }

@@ -8,8 +8,8 @@ use super::section::TypedFunctions;
 use super::view::View;
 use crate::error::{Error, Point};
 use crate::filippov::{
-    Direction, EventFunctions, EventRecord, EventSearch, Integration, Options, SearchMemory,
-    Switched, TIME_ROUNDING, Transition, TransitionKind,
+    Direction, EVENT_PRECISION, EventFunctions, EventRecord, EventSearch, Integration, Options,
+    SearchMemory, Switched, TIME_ROUNDING, Transition, TransitionKind,
 };
 use crate::ode::Timed;
 use crate::orbit::Ending;
@@ -159,8 +159,9 @@ where
     }
 
     /// A jump whose function is zero at the start and goes in its direction there is due; otherwise
-    /// the function stands at zero. Of one that depends on time alone, the run that ended there has
-    /// carried the jump out.
+    /// the function stands at zero. A function just beyond zero that goes on is at zero: the state
+    /// has been rounded. Of one that depends on time alone, the run that ended there has carried
+    /// the jump out.
     ///
     /// # Errors
     /// [`Error::BehindStop`].
@@ -185,8 +186,8 @@ where
             }
             if sign < 0.0 && self.jumps.is_never_negative(number) {
                 self.check_gap(number, integration)?;
-            } else if sign != 0.0 {
-                search.set_side(number, sign);
+            } else if sign != 0.0 && !self.is_passing(number, sign, integration) {
+                self.search.set_side(number, sign);
                 continue;
             }
             let search = &mut self.search;
@@ -208,6 +209,18 @@ where
         // A phase of zero length lies before it.
         self.has_jumped = self.is_due();
         Ok(())
+    }
+
+    /// Whether a function is about to go on from a zero of which only rounding shows it beyond.
+    fn is_passing(&self, number: usize, sign: f64, integration: &Integration<'a, S, N, G>) -> bool {
+        let at = integration.at();
+        let with = (integration.states(), integration.options());
+        let rate = self
+            .search
+            .sign_of_rate(number, &at, &integration.velocity());
+        let zero = EVENT_PRECISION * allowed(self.jumps, number, &at, with);
+        let height = self.jumps.when(number, at.t, components(&at.x));
+        rate == sign && goes(self.jumps, number, rate) && height.abs() <= zero
     }
 
     /// Whether a function that is never negative is zero within the tolerance of the state.
