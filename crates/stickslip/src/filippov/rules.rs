@@ -489,4 +489,205 @@ mod tests {
             assert_eq!((found.order, found.sign, found.calls), (order, sign, calls));
         }
     }
+
+    /// Lie derivatives with floors of rounding.
+    fn derivatives(values: [f64; 4]) -> LieDerivatives {
+        let floors = [1e-15; 4];
+        LieDerivatives { values, floors }
+    }
+
+    #[test]
+    fn a_combination_holds_as_far_as_its_fields_move() {
+        let holds = |own: [f64; 4], fields: [[f64; 4]; 2]| {
+            let [one, other] = fields.map(derivatives);
+            derivatives(own).holds_beside([&one, &other])
+        };
+        let (still, first, second) = ([0.0; 4], [0.0, 1e3, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]);
+        // Beside the larger of the fields.
+        for fields in [[first, still], [still, first]] {
+            assert!(holds([0.0, 9e-10, 5.0, 5.0], fields));
+            assert!(!holds([0.0, 1.1e-9, 0.0, 0.0], fields));
+            assert!(!holds([0.0, -1.1e-9, 0.0, 0.0], fields));
+        }
+        // Up to the first derivative that moves, and with it.
+        assert!(holds([0.0, 0.0, 0.0, 5.0], [second, still]));
+        assert!(!holds([0.0, 0.0, 1e-3, 0.0], [second, still]));
+        assert!(!holds([0.0, 1e-3, 0.0, 0.0], [second, still]));
+        let third = [0.0, 0.0, 0.0, 1.0];
+        assert!(!holds([0.0, 0.0, 0.0, 1e-3], [third, still]));
+        assert!(holds([0.0, 1.0, 1.0, 1.0], [still, still]));
+        assert!(!holds([f64::NAN, 0.0, 0.0, 0.0], [first, still]));
+        assert!(!holds([0.0, 0.0, 0.0, f64::INFINITY], [first, still]));
+        // Within the rounding of the combination.
+        let rounded = LieDerivatives {
+            values: [0.0, 1e-6, 0.0, 0.0],
+            floors: [2e-6; 4],
+        };
+        let [one, other] = [first, still].map(derivatives);
+        assert!(rounded.holds_beside([&one, &other]));
+    }
+
+    #[test]
+    fn a_tangency_is_visible_on_the_side_to_which_it_bends() {
+        for (second, below, above) in [
+            (2e-15, Visibility::Invisible, Visibility::Visible),
+            (-2e-15, Visibility::Visible, Visibility::Invisible),
+            (1e-15, Visibility::Degenerate, Visibility::Degenerate),
+            (-1e-15, Visibility::Degenerate, Visibility::Degenerate),
+        ] {
+            let found = derivatives([0.0, 0.0, second, 1.0]);
+            assert_eq!(found.visibility(Side::Below), below, "{second}");
+            assert_eq!(found.visibility(Side::Above), above, "{second}");
+        }
+    }
+
+    #[test]
+    fn a_value_counts_beyond_its_rounding_or_where_that_overflows() {
+        for (value, floor, counts) in [
+            (2.0, 1.0, true),
+            (-2.0, 1.0, true),
+            (1.0, 1.0, false),
+            (1.0, f64::NAN, true),
+            (0.0, f64::NAN, false),
+        ] {
+            assert_eq!(is_significant(value, floor), counts, "{value} {floor}");
+        }
+    }
+
+    #[test]
+    fn the_slope_of_a_root_counts_by_its_change_over_the_slack() {
+        let (x, slack) = (State::from([0.0]), 1e-8);
+        let root = |_t, x: &[Dual<f64>; 1]| (x[0].sqrt() + 3.0, *x);
+        let (value, floor) = one_derivative((0.0, &x, 1), slack, root);
+        assert_eq!(value, 3.0);
+        // The root of the slack, and the rounding of 3.
+        assert!(
+            (floor - (1e-4 + 3.0 * STATE_ROUNDING)).abs() < 1e-15,
+            "{floor:e}"
+        );
+
+        /// The field across Σ is a root of the distance from it, on a plane scaled by 2.
+        struct Root;
+        impl Filippov<2> for Root {
+            fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+                [x[0].sqrt() + x[1], T::constant(1.5)]
+            }
+            fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+                x[0] * 2.0
+            }
+        }
+        let origin = [Dual::new(0.0, 0.0); 2];
+        let (along, _) = second_derivative_along(&Root, Side::Above, Dual::new(0.0, 1.0), &origin);
+        // Twice the rate of x₁.
+        assert_eq!(along.re, 3.0);
+        let slope = [Dual::new(0.0, 0.0), Dual::new(0.25, 0.0)];
+        let (along, _) = second_derivative_along(&Root, Side::Above, Dual::new(0.0, 1.0), &slope);
+        assert_eq!(along.re, 3.0);
+        let found = LeadingDerivative::new(&Root, Side::Above, 0.0, &State::zeros(), slack, true);
+        assert_eq!((found.order, found.sign), (2, 1.0));
+    }
+
+    /// Fields along the boundary x₁ = 0, by side: their rate along it, and that of their bend.
+    struct Tangent {
+        along: [f64; 2],
+        bend: [f64; 2],
+        /// What holds by static friction pushes back by so much.
+        holding: f64,
+    }
+
+    impl Filippov<2> for Tangent {
+        fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+            let of = usize::from(side == Side::Above);
+            [T::constant(self.along[of]), x[0] * self.bend[of]]
+        }
+        fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+            let [along, across] = self.field(side, t, x);
+            [along, across - self.holding * side.sign()]
+        }
+        fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+            x[1]
+        }
+    }
+
+    #[test]
+    fn a_state_rests_on_the_side_of_an_equilibrium_to_which_the_other_leads_back() {
+        let at = |along: [f64; 2], bend: [f64; 2]| {
+            let holding = 0.0;
+            let system = Tangent {
+                along,
+                bend,
+                holding,
+            };
+            fate(&system, 0.0, &State::zeros())
+        };
+        // The other field bends back to Σ at once.
+        assert_eq!(at([0.0, 1.0], [0.0, -1.0]), Fate::Slip(Side::Below));
+        assert_eq!(at([1.0, 0.0], [1.0, 0.0]), Fate::Slip(Side::Above));
+        // An equilibrium to rounding, beside the other field's speed.
+        assert_eq!(at([1e-13, 1.0], [0.0, -1.0]), Fate::Slip(Side::Below));
+        assert_eq!(at([1e-3, 1.0], [0.0, -1.0]), Fate::Stick);
+        // A field that leads away is followed.
+        assert_eq!(at([0.0, 1.0], [0.0, 1.0]), Fate::Slip(Side::Above));
+    }
+
+    #[test]
+    fn static_friction_decides_before_that_in_slip() {
+        let at = |holding: f64| {
+            let (along, bend) = ([1.0, 1.0], [1.0, 1.0]);
+            let system = Tangent {
+                along,
+                bend,
+                holding,
+            };
+            // Both fields leave upwards, at a rate of 0.5.
+            fate(&system, 0.0, &State::from([0.5, 0.0]))
+        };
+        assert_eq!(at(0.4), Fate::Slip(Side::Above));
+        assert_eq!(at(0.6), Fate::Stick);
+
+        /// One component is room.
+        struct Padded;
+        impl Filippov<2> for Padded {
+            fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+                [-x[0] - side.sign(), T::zero()]
+            }
+            fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+                x[0]
+            }
+            fn dimension(&self) -> usize {
+                1
+            }
+        }
+        assert_eq!(WithStaticFriction(&Padded).dimension(), 1);
+    }
+
+    #[test]
+    fn a_point_is_on_the_boundary_to_slack_and_rounding() {
+        /// A small distance between large numbers.
+        struct Between;
+        impl Filippov<2> for Between {
+            fn field<T: Scalar>(&self, _side: Side, _t: T, _x: &[T; 2]) -> [T; 2] {
+                [T::zero(), T::zero()]
+            }
+            fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+                x[0] - x[1]
+            }
+        }
+        for (size, gap, slack, is_on) in [
+            // The slack of both components.
+            (0.0, 1.9e-9, 1e-9, true),
+            (0.0, 2.1e-9, 1e-9, false),
+            (0.0, -2.1e-9, 1e-9, false),
+            // 64 units in the last place of both.
+            (1e6, 2.5e-8, 0.0, true),
+            (1e6, 3.2e-8, 0.0, false),
+        ] {
+            let x = State::from([size + gap, size]);
+            assert_eq!(
+                on_boundary(&Between, Side::Above, 0.0, &x, slack),
+                is_on,
+                "{gap:e}"
+            );
+        }
+    }
 }
