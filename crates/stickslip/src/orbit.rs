@@ -194,22 +194,31 @@ impl<const N: usize, K> Orbit<N, K> {
     }
 }
 
+/// Start and end times of sticks. Phases are in order of time, each with whether it is a stick;
+/// those that follow one another are one stick.
+pub(crate) fn sticks_in(phases: impl Iterator<Item = (bool, f64, f64)>) -> Vec<(f64, f64)> {
+    let mut sticks: Vec<(f64, f64)> = Vec::new();
+    let mut stuck = false;
+    for (sticks_now, t_start, t_end) in phases {
+        match sticks.last_mut() {
+            Some(last) if sticks_now && stuck => last.1 = t_end,
+            _ if sticks_now => sticks.push((t_start, t_end)),
+            _ => {}
+        }
+        stuck = sticks_now;
+    }
+    sticks
+}
+
 impl<const N: usize, const M: usize> Orbit<N, [Mode; M]> {
     /// Start and end times of a contact's sticks, whatever the others do meanwhile; empty for a
     /// contact that does not exist.
     pub fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
-        let mut sticks: Vec<(f64, f64)> = Vec::new();
-        let mut stuck = false;
-        for phase in &self.phases {
-            let sticks_now = phase.mode.get(contact) == Some(&Mode::Stick);
-            match sticks.last_mut() {
-                Some(last) if sticks_now && stuck => last.1 = phase.t_end,
-                _ if sticks_now => sticks.push((phase.t_start, phase.t_end)),
-                _ => {}
-            }
-            stuck = sticks_now;
-        }
-        sticks
+        let phases = self.phases.iter();
+        sticks_in(phases.map(|phase| {
+            let sticks = phase.mode.get(contact) == Some(&Mode::Stick);
+            (sticks, phase.t_start, phase.t_end)
+        }))
     }
 }
 

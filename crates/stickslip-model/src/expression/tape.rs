@@ -164,6 +164,7 @@ impl Tape {
     }
 
     /// Most numbers held at once, including time and states.
+    #[inline(always)]
     pub fn registers(&self) -> usize {
         self.operations.registers
     }

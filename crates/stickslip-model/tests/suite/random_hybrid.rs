@@ -17,9 +17,9 @@ const MAX_COMPARED: usize = 40;
 /// End of each run.
 const UNTIL: f64 = 6.0;
 
-/// Allowed difference of end states of runs in pieces. Nearly all have the same bits. In one of 300
-/// a piece that ends 1e-9 before an event moves it by rounding.
-const IN_PIECES: f64 = 1e-12;
+/// Largest difference of the end state of a run in pieces where a piece ends so near before an event
+/// that rounding moves the event. All others have the bits of the run in one piece.
+const ROUNDED: f64 = 1e-12;
 
 /// Allowed difference of event times.
 const TIME_TOLERANCE: f64 = 1e-6;
@@ -163,26 +163,41 @@ fn are_alike([one, other]: &[RunResult; 2]) -> bool {
             .all(is_alike)
 }
 
-/// Random systems whose runs to the end differ from those in pieces, and the number of systems
-/// that have been compared.
-fn in_pieces(seeds: std::ops::Range<u64>) -> (usize, Vec<String>) {
-    let (mut count, mut different) = (0, Vec::new());
+/// Runs of random systems in pieces, against those in one.
+#[derive(Default)]
+struct InPieces {
+    count: usize,
+    /// Runs whose end differs by rounding alone.
+    rounded: usize,
+    different: Vec<String>,
+}
+
+fn in_pieces(seeds: std::ops::Range<u64>) -> InPieces {
+    let mut all = InPieces::default();
     for seed in seeds {
         let text = text(&mut SplitMix::new(seed));
         let system = system(&text);
         for method in METHODS {
             // A run of too many events, or one that fails, has no end to compare.
-            if found(&system, method).ending == "end time" {
-                let options = options(method).escape(1e3);
+            if found(&system, method).ending != "end time" {
+                continue;
+            }
+            all.count += 1;
+            let options = options(method).escape(1e3);
+            let difference = |within| {
                 let mut draw = SplitMix::new(seed ^ 0xC07);
-                count += 1;
-                let difference =
-                    difference_in_pieces(&text, UNTIL, (&options, IN_PIECES), &mut draw);
-                different.extend(difference.map(|what| format!("seed {seed}, {method}: {what}")));
+                difference_in_pieces(&text, UNTIL, (&options, within), &mut draw)
+            };
+            if difference(0.0).is_none() {
+                continue;
+            }
+            match difference(ROUNDED) {
+                None => all.rounded += 1,
+                Some(what) => all.different.push(format!("seed {seed}, {method}: {what}")),
             }
         }
     }
-    (count, different)
+    all
 }
 
 /// Counts the events of so many random systems and their endings, and lists the systems for which
@@ -223,24 +238,35 @@ fn both_methods_find_the_same_events_of_random_systems() {
     assert!(events > 4000 && to_the_end > 300, "{events} {endings:?}");
 }
 
+/// Checks that at most one in a hundred differs, and that by rounding.
+fn check_pieces(all: &InPieces) {
+    assert!(all.different.is_empty(), "{}", all.different.join("\n"));
+    assert!(
+        100 * all.rounded <= all.count,
+        "{} of {}",
+        all.rounded,
+        all.count
+    );
+}
+
 #[test]
 fn runs_of_random_systems_in_pieces_are_those_in_one() {
-    let (count, different) = in_pieces(0..150);
-    assert!(different.is_empty(), "{}", different.join("\n"));
-    assert!(count > 200, "{count}");
+    let all = in_pieces(0..150);
+    check_pieces(&all);
+    assert!(all.count > 200, "{}", all.count);
 }
 
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; make random runs it"]
 fn runs_of_ten_thousand_random_systems_in_pieces_are_those_in_one() {
-    let (count, different) = in_pieces(0..10_000);
-    println!("{count} runs, {} differ in pieces", different.len());
-    assert!(different.is_empty(), "{}", different.join("\n"));
+    let all = in_pieces(0..10_000);
+    let (count, rounded, different) = (all.count, all.rounded, all.different.len());
+    println!("{count} runs, {rounded} rounded, {different} differ in pieces");
+    check_pieces(&all);
 }
 
-/// All agree, with 122275 events: two minutes of processor time.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes; make random runs it"]
 fn both_methods_find_the_same_events_of_ten_thousand_random_systems() {
     let (events, endings, different) = compared(0..10_000);
     println!(

@@ -250,7 +250,8 @@ fn found(chain: &Chain, system: &System, method: &str) -> Found {
         Ok(_) => "end time".to_owned(),
         Err(error) => name(&error),
     };
-    let fault = fault.or(wrong);
+    // A run that is refused behind a stop shows it in its last step.
+    let fault = fault.or(wrong.filter(|_| ending == "end time"));
     Found {
         events,
         ending,
@@ -315,22 +316,30 @@ fn examined(seeds: Range<u64>) -> Outcome {
     outcome
 }
 
-/// Checks an outcome of so many runs: few end in a pile-up, as where bodies on top of each other
-/// come to rest in one instant, and nothing else goes wrong.
+/// Checks an outcome of so many runs. One in a hundred may be refused by name: where bodies on top
+/// of each other come to rest in one instant. Nothing else goes wrong.
 fn check(outcome: &Outcome, runs: usize) {
-    let is_pile_up = |fault: &&String| fault.contains(": EventPileUp");
-    let (piled, wrong): (Vec<_>, Vec<_>) = outcome.faults.iter().partition(is_pile_up);
-    let (piled, wrong): (usize, Vec<&String>) = (piled.len(), wrong);
+    let is_refused = |fault: &&String| {
+        [": EventPileUp\n", ": BehindStop\n"]
+            .iter()
+            .any(|name| fault.contains(name))
+    };
+    let (refused, wrong): (Vec<_>, Vec<_>) = outcome.faults.iter().partition(is_refused);
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(100 * piled <= runs, "{piled} pile-ups in {runs} runs");
+    assert!(100 * refused.len() <= runs, "{refused:#?}");
     let different = outcome.different.join("\n");
     assert!(different.is_empty(), "{different}");
 }
 
-/// Known: three of the first 600 runs, all by Dop853, are up to 5e-9 behind a shaken floor in the
-/// instant of a landing, and three end in a pile-up.
 #[test]
-#[ignore = "takes minutes"]
+fn random_chains_keep_their_gaps_and_lose_energy() {
+    let outcome = examined(0..120);
+    check(&outcome, 240);
+    assert!(outcome.events > 2000, "{}", outcome.events);
+}
+
+#[test]
+#[ignore = "takes minutes; make random runs it"]
 fn ten_thousand_random_chains_keep_their_gaps_and_lose_energy() {
     let outcome = examined(0..10_000);
     println!(

@@ -39,7 +39,6 @@ fn piece(text: &str, from: Option<&RunMemory>, until: f64, options: &Options) ->
                 changes.push((at.kind.name().to_owned(), at.contact, at.t));
             }
             OrbitProgress::Kink(at) => changes.push(("kink".to_owned(), at.input, at.t)),
-            OrbitProgress::Step => {}
             _ => {}
         }
         ControlFlow::Continue(())

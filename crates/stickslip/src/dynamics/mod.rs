@@ -237,8 +237,9 @@ pub trait Dynamics: Send + Sync {
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
 
     /// Goes on from the end of another run of the same system with the same options. The end has
-    /// the bits of a single run. Transitions in the step that the other run's end has shortened are
-    /// those of a single run to the tolerance.
+    /// the bits of a single run, unless the other run ended so near before an event that rounding
+    /// moves it. Transitions in the step that the other run's end has shortened are those of a
+    /// single run to the tolerance.
     ///
     /// # Errors
     /// Those of [`crate::Integration::new`]; [`Error::Memory`] for a run of another system, and

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
+use crate::orbit::sticks_in;
 use crate::system::Mode;
 
 /// Times at which a recorded orbit keeps its state.
@@ -335,17 +336,10 @@ impl RecordedOrbit {
 
     /// Intervals of time in which a contact sticks, whatever the others do meanwhile.
     pub fn sticks_of(&self, contact: usize) -> Vec<(f64, f64)> {
-        let mut sticks: Vec<(f64, f64)> = Vec::new();
-        for phase in &self.phases {
-            if phase.mode.get(contact) != Mode::Stick {
-                continue;
-            }
-            match sticks.last_mut() {
-                Some(last) if last.1 == phase.t_start => last.1 = phase.t_end,
-                _ => sticks.push((phase.t_start, phase.t_end)),
-            }
-        }
-        sticks
+        sticks_in(self.phases.iter().map(|phase| {
+            let sticks = phase.mode.get(contact) == Mode::Stick;
+            (sticks, phase.t_start, phase.t_end)
+        }))
     }
 
     /// The state at a time, if the steps are kept; see [`crate::Orbit::at`].
