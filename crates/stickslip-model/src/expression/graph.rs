@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::held::{
-    Decision, HeldNumbers, HeldOperation, Holding, Place, Probe, Rule, Test, normal,
+    BuildDecision, HeldNumbers, HeldOperation, HeldProbe, Holding, Place, Rule, Test, normal,
 };
 use super::tree::Binary;
 
@@ -215,9 +215,9 @@ impl Graph {
 
     /// What a function of the held numbers gives, as a decision. It is given those of all numbers
     /// so far, by place.
-    pub fn probed(&mut self, probe: Arc<Probe>) -> usize {
+    pub fn probed(&mut self, probe: Arc<HeldProbe>) -> usize {
         let found = probe(&self.held_values());
-        self.held.record(Decision::Probed(probe, found));
+        self.held.record(BuildDecision::Probed(probe, found));
         found
     }
 

@@ -18,8 +18,8 @@ use super::{
 };
 use crate::expression::Tape;
 use crate::kernel::{
-    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, SectionFunction, Size,
-    Switching, dynamics, sides_to_check,
+    Combination, Equations, HELD_PER_INPUT, SectionFunction, Size, Switching, TapedContacts,
+    TapedFilippov, dynamics, sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -650,7 +650,7 @@ fn equations(built: &Built) -> Equations {
             let tape = |above| fields.tape(Combination { above, held });
             Some([tape(0)?, tape(1)?])
         };
-        Some(OneContact {
+        Some(TapedFilippov {
             dimension,
             field: both(0)?,
             holding: match built.has_static {
@@ -663,7 +663,7 @@ fn equations(built: &Built) -> Equations {
     };
     match one_contact().filter(|_| fields.contacts() <= 1) {
         Some(system) => Equations::OneContact(Box::new(system)),
-        None => Equations::ManyContacts(ManyContacts {
+        None => Equations::ManyContacts(TapedContacts {
             dimension,
             fields: fields.clone(),
             has_static: built.has_static,

@@ -67,7 +67,7 @@ impl<T: Scalar> Touching<T> {
 }
 
 /// Event to which stops react.
-enum Cause {
+enum StopEvent {
     /// The impact of a stop.
     Impact(usize),
     /// The landing of a stop.
@@ -139,14 +139,14 @@ impl Impacts {
     /// The states after the impact of a stop. Not a number where no impulses follow the law, or a
     /// restitution is not between 0 and 1.
     pub fn strike<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&Cause::Impact(stop), t, x);
+        self.changed(&StopEvent::Impact(stop), t, x);
     }
 
     /// The states after a jump from a state before it, which may move what closed stops carry. Not
     /// a number as at an impact.
     pub fn settle<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) {
         let kicks = self.release(t, before, x);
-        self.changed(&Cause::Jump(kicks), t, x);
+        self.changed(&StopEvent::Jump(kicks), t, x);
     }
 
     /// The states after a stop has let go.
@@ -159,14 +159,14 @@ impl Impacts {
     /// vanishes by an impulse, which other closed stops share. The gap vanishes along the motion
     /// that follows an impulse. So the derivative is that of infinitely many impacts.
     pub fn land<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&Cause::Landing(stop), t, x);
+        self.changed(&StopEvent::Landing(stop), t, x);
     }
 
     /// The impulses of all stops at an impact or a landing.
     pub fn impulses(&self, stop: usize, lands: bool, t: f64, x: &[f64]) -> Vec<f64> {
         let cause = match lands {
-            true => Cause::Landing(stop),
-            false => Cause::Impact(stop),
+            true => StopEvent::Landing(stop),
+            false => StopEvent::Impact(stop),
         };
         self.impulses_of(&cause, t, x)
     }
@@ -174,10 +174,10 @@ impl Impacts {
     /// The impulses of all stops behind a jump from a state before it.
     pub fn impulses_behind(&self, t: f64, before: &[f64], x: &mut [f64]) -> Vec<f64> {
         let kicks = self.release(t, before, x);
-        self.impulses_of(&Cause::Jump(kicks), t, x)
+        self.impulses_of(&StopEvent::Jump(kicks), t, x)
     }
 
-    fn impulses_of(&self, cause: &Cause, t: f64, x: &[f64]) -> Vec<f64> {
+    fn impulses_of(&self, cause: &StopEvent, t: f64, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.closed.len()];
         if let Some(Strike {
             touching,
@@ -192,7 +192,7 @@ impl Impacts {
         all
     }
 
-    fn changed<T: Scalar>(&self, cause: &Cause, t: T, x: &mut [T]) {
+    fn changed<T: Scalar>(&self, cause: &StopEvent, t: T, x: &mut [T]) {
         let Some(Strike {
             touching, parts, ..
         }) = self.struck(cause, t, x)
@@ -240,12 +240,12 @@ impl Impacts {
 
     /// The stops that take part in an impact and the impulses that follow the law; `None` where
     /// nothing changes.
-    fn struck<T: Scalar>(&self, cause: &Cause, t: T, x: &[T]) -> Option<Strike<T>> {
+    fn struck<T: Scalar>(&self, cause: &StopEvent, t: T, x: &[T]) -> Option<Strike<T>> {
         let impact = match cause {
-            Cause::Impact(stop) | Cause::Landing(stop) => Some(*stop),
-            Cause::Jump(_) => None,
+            StopEvent::Impact(stop) | StopEvent::Landing(stop) => Some(*stop),
+            StopEvent::Jump(_) => None,
         };
-        let lands = matches!(cause, Cause::Landing(_));
+        let lands = matches!(cause, StopEvent::Landing(_));
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -259,7 +259,7 @@ impl Impacts {
                 let touches = impact.is_some() && gap.value() <= ROUNDING * size;
                 let takes_part = impact == Some(stop) || is_closed || touches;
                 let is_kicked = match cause {
-                    Cause::Jump(kicks) => kicks[stop] != 0.0,
+                    StopEvent::Jump(kicks) => kicks[stop] != 0.0,
                     _ => false,
                 };
                 let carries = is_closed && !is_kicked;

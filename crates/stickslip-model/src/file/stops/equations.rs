@@ -117,7 +117,7 @@ const POINTS: usize = 4;
 const VANISHED: f64 = 1e-9;
 
 /// The second derivative of a gap: without reactions, and what each of them adds.
-struct Row {
+struct GapAcceleration {
     free: Id,
     coupling: Vec<Id>,
 }
@@ -255,7 +255,7 @@ impl<'a> Build<'a> {
         graph: &mut Graph,
         (stop, rate): (&StopEntry, Id),
         of: Combination,
-    ) -> Result<Row, Problem> {
+    ) -> Result<GapAcceleration, Problem> {
         let wrong = |error: NotANumber| no_number(error, stop.gap.whole());
         let first = self.states();
         let [with, without] = self.fields(graph, of)?;
@@ -275,7 +275,7 @@ impl<'a> Build<'a> {
             return Err(Problem::new(message, stop.place.clone())
                 .help("friction and rates can be proportional to the force of a stop only"));
         }
-        Ok(Row { free, coupling })
+        Ok(GapAcceleration { free, coupling })
     }
 
     /// The mean of a row over both sides of the contacts of these bits.
@@ -284,7 +284,7 @@ impl<'a> Build<'a> {
         graph: &mut Graph,
         of_gap: (&StopEntry, Id),
         (of, shared): (Combination, usize),
-    ) -> Result<Row, Problem> {
+    ) -> Result<GapAcceleration, Problem> {
         let mut rows = Vec::new();
         for sides in (0..=shared).filter(|sides| sides & !shared == 0) {
             let above = of.above & !shared | sides;
@@ -295,7 +295,7 @@ impl<'a> Build<'a> {
         let Some(mut mean) = rows.pop() else {
             return self.row(graph, of_gap, of);
         };
-        let is_one = |row: &Row| {
+        let is_one = |row: &GapAcceleration| {
             let coupling = (&*row.coupling, &*mean.coupling);
             graph.are_same(row.free, mean.free) && are_same(graph, coupling)
         };
@@ -370,7 +370,8 @@ pub(super) fn equations(
     for (number, stop) in file.stops.iter().enumerate() {
         let [gap, rate] = build.gap(graph, (stop, of))?;
         let shared = build.shared(graph, (number, gap, rate), of)?;
-        let Row { free, coupling } = build.mean_row(graph, (stop, rate), (of, shared))?;
+        let GapAcceleration { free, coupling } =
+            build.mean_row(graph, (stop, rate), (of, shared))?;
         if let Some(own) = graph.value(coupling[number])
             && !graph.is(coupling[number], Test::Positive)
         {
