@@ -213,8 +213,8 @@ impl Graph {
         place.is_some_and(|place| self.held.ask(test, place))
     }
 
-    /// What a function of the held numbers gives, as a decision. It is given those of all numbers
-    /// so far, by place.
+    /// Evaluates a function of the held numbers and records its value as a decision. The function
+    /// gets the values of all held numbers so far, by place.
     pub fn probed(&mut self, probe: Arc<HeldProbe>) -> usize {
         let found = probe(&self.held_values());
         self.held.record(BuildDecision::Probed(probe, found));

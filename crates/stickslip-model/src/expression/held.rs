@@ -1,9 +1,9 @@
 //! Numbers that are constant along an orbit: literals, parameters, and what follows from them.
 //!
 //! A graph computes them when they are added, and takes decisions by their values: a factor of one
-//! is left out, a denominator of zero is refused. For other values of the parameters nothing is
-//! built again where all decisions are the same: [`HeldNumbers::of`] repeats the operations, so
-//! that each number has the bits that a build with these values would give.
+//! is left out, a denominator of zero is refused. Other values of the parameters build nothing
+//! where all decisions are the same. [`HeldNumbers::of`] repeats the operations, so that each
+//! number has the bits that a build with these values would give.
 
 use std::fmt;
 use std::sync::Arc;
@@ -131,7 +131,7 @@ pub(super) enum BuildDecision {
     Asked(Test, Place, bool),
     /// Whether two numbers are equal.
     Equal(Place, Place, bool),
-    /// What a function gave.
+    /// Value of a function of the held numbers.
     Probed(Arc<HeldProbe>, usize),
 }
 

@@ -220,10 +220,11 @@ impl System {
         })
     }
 
-    /// How often formulas were built for this system and those that differ from it in values of
-    /// parameters, in free parameters or in the interrupt: as a rule once for each set of free
-    /// parameters, and for each formula that is observed besides. Formulas are built again where a
-    /// value changes what is left out of them, such as a factor that is exactly 0 or 1.
+    /// Number of times that formulas were built for this system and its relatives. Relatives differ
+    /// in values of parameters, in free parameters or in the interrupt. As a rule, formulas are
+    /// built once for each set of free parameters, and once for each observed formula. A value that
+    /// changes what is left out of a formula builds it again, such as a factor that is exactly 0 or
+    /// 1.
     pub fn builds(&self) -> usize {
         self.family.builds()
     }

@@ -1,9 +1,10 @@
 //! Newton's law of restitution at stops that close or touch.
 //!
 //! The impulses `P ≥ 0` and the rates of the gaps after them, `u⁺ = u⁻ + G P`, are complementary:
-//! `w = u⁺ + e u⁻ ≥ 0` with `P·w = 0` where a gap closes, `w = u⁺` elsewhere (Moreau, *Unilateral
-//! contact and dry friction in finite freedom dynamics*, CISM 302 (1988); Glocker, *Set-Valued
-//! Force Laws*, 2001, Sect. 9).
+//! `w ≥ 0` with `P·w = 0`, where `w = u⁺ + e u⁻` if a gap closes, else `w = u⁺`.
+//!
+//! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302
+//! (1988); Glocker, *Set-Valued Force Laws*, 2001, Sect. 9.
 
 use std::sync::Arc;
 
@@ -11,8 +12,8 @@ use stickslip::Scalar;
 
 use crate::expression::Tape;
 
-/// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms: some
-/// thousand units in the last place, which sums of as many terms leave.
+/// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms. It is
+/// some thousand units in the last place: the rounding of a sum of as many terms.
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The law of impact of the stops of a system.
@@ -130,7 +131,7 @@ impl Impacts {
             .collect()
     }
 
-    /// Which stops carry in a state.
+    /// Whether each stop carries in a state.
     pub fn carrying<T: Scalar>(&self, x: &[T]) -> Vec<bool> {
         let closed = self.closed.iter();
         closed.map(|&closed| x[closed].value() > 0.5).collect()
@@ -335,9 +336,9 @@ fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
     })
 }
 
-/// How far to go back along the way of each stop so that all gaps vanish at once: the way that
-/// closes one gap opens another one as much as the impulses do. Each on its own where the ways
-/// depend on each other, as where two stops hold one body at one place.
+/// Distance to go back along the way of each stop so that all gaps vanish at once. The way that
+/// closes one gap opens another one as much as the impulses do. Ways that depend on each other are
+/// gone one by one, as those of two stops that hold one body at one place.
 fn shifts<T: Scalar>(touching: &[Touching<T>]) -> Vec<T> {
     let entry = |row: &Touching<T>, column: &Touching<T>| {
         row.coupling[column.stop] / column.coupling[column.stop]

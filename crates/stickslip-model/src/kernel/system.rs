@@ -83,7 +83,7 @@ pub type BuildTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 /// Storage of what belongs to a combination.
 type Slot<T> = OnceLock<(Combination, T)>;
 
-/// What belongs to each combination of sides and holding contacts, 4^M for M contacts. Each is made
+/// One value for each combination of sides and holding contacts, 4^M for M contacts. Each is made
 /// on first use.
 pub struct ByCombination<T> {
     contacts: usize,
@@ -131,7 +131,7 @@ impl<T> ByCombination<T> {
         }
     }
 
-    /// What belongs to a combination, made if necessary; `None` if there is no room.
+    /// Value of a combination, made if necessary; `None` if there is no room.
     pub fn get_or_make(&self, of: Combination, make: impl Fn() -> T) -> Option<&T> {
         let stored = self
             .slots_of(of)

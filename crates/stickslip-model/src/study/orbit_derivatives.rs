@@ -115,7 +115,7 @@ impl OrbitVariables {
     }
 
     /// The derivatives of an orbit of the system. A driven one was found from a time `origin`,
-    /// whole periods before: the derivatives of its state are those at that time, so that the state
+    /// whole periods before. The derivatives of its state are those at that time, so that the state
     /// keeps its phase in the drive.
     ///
     /// # Errors

@@ -85,9 +85,9 @@ pub struct PeriodicDerivatives {
 ///
 /// # Errors
 /// Those of [`crate::run`]. [`Error::TangentSingular`] where the orbit has no derivative, as at a
-/// graze. [`Error::NotFound`] for an orbit of a family, for one that has no orbits beside it as at
-/// a fold, and where a discrete state depends on a parameter at the start of the period.
-/// [`Error::Parameter`] where the numbers of states do not fit.
+/// graze. [`Error::NotFound`] for an orbit of a family, and for one without neighbours, as at a
+/// fold. The same error is returned where a discrete state depends on a parameter at the start of
+/// the period. [`Error::Parameter`] where the numbers of states do not fit.
 pub fn periodic_derivatives<Kind>(
     system: &impl AsDynamics<Kind>,
     orbit: &PeriodicOrbit,

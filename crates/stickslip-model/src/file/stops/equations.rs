@@ -1,9 +1,9 @@
 //! The equations of the stops in one combination of sides, and their reactions.
 //!
-//! A contact whose boundary vanishes while a stop carries, such as one at the velocity that the
-//! stop keeps at zero, shares the load with it in a way that no motion tells apart. Its friction
-//! is left out of that stop's reaction: the mean over both of its sides stands in the equation.
-//! So it sticks, and what it holds alone it goes on to hold when the stop has let go.
+//! The boundary of a contact may vanish while a stop carries, as at the velocity that the stop
+//! keeps at zero. Then the motion does not determine how contact and stop share the load. The
+//! contact's friction is left out of that stop's reaction: the equation has the mean over both of
+//! its sides. So it sticks, and what it holds alone it goes on to hold when the stop has let go.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(super) struct StopEquations {
     pub rates: Vec<Id>,
     /// The second derivatives of the gaps without reactions.
     pub free: Vec<Id>,
-    /// What each reaction adds to the second derivative of each gap.
+    /// Second derivative of each gap by each reaction.
     pub coupling: Vec<Vec<Id>>,
     /// The field without reactions.
     pub field: Vec<Id>,
@@ -319,9 +319,9 @@ impl<'a> Build<'a> {
     }
 }
 
-/// The contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the
-/// gap, its rate, what a unit of the reaction adds to that, the rows of [`ways`] and [`acts`], and
-/// the boundaries, for so many states with what inputs hold, states, and contacts.
+/// Contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the gap,
+/// its rate, the derivative of that by the reaction, the rows of [`ways`] and [`acts`], and the
+/// boundaries. The numbers are those of states with what inputs hold, of states, and of contacts.
 fn shared_by(tape: &Tape, (all, states, contacts): (usize, usize, usize)) -> usize {
     let evaluated = |t: f64, x: &[f64]| {
         let mut values = vec![0.0; 3 + 2 * states + contacts];
@@ -400,8 +400,8 @@ pub(super) fn equations(
     Ok(found)
 }
 
-/// What a unit of each reaction adds to the second derivative of its own gap in one combination of
-/// sides: with the friction that follows it, and without.
+/// Second derivative of each stop's gap by its own reaction in one combination of sides: with the
+/// friction that follows the reaction, and without.
 pub(in super::super) fn openings(
     file: &SystemFile,
     inputs: Inputs<'_>,

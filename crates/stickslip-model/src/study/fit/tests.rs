@@ -8,8 +8,8 @@ use super::problem::FitProblem;
 use super::*;
 use crate::file::Source;
 
-/// A block on a belt: starts and the start time are formulas of a parameter, the period of the
-/// drive is one, and the record has an offset and a gain.
+/// A block on a belt. Starts and the start time are formulas of a parameter, and so is the period
+/// of the drive. The record has an offset and a gain.
 const BELT: &str = r#"
 name = "case"
 [time]

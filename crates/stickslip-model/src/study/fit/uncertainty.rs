@@ -25,7 +25,7 @@ const DOUBTFUL: f64 = 0.3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitUncertainty {
     /// Standard error of each unknown: none on a bound, where the data do not determine it, or for
-    /// [`Self::none`]. none on a bound, where the data do not determine it, or for [`Self::none`].
+    /// [`Self::none`].
     pub std_errors: Vec<Option<f64>>,
     /// Covariances of the unknowns; NaN where there are none.
     pub covariance: Matrix,
