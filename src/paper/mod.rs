@@ -24,7 +24,8 @@ use stickslip::Options;
 pub(crate) const TOLERANCE: f64 = 1e-13;
 /// Tolerance of runs that only have to settle. Their states are compared to 1e-6 or more.
 pub(crate) const SETTLING_TOLERANCE: f64 = 1e-9;
-/// Beyond 10 m or 10 m/s the softening spring of model 2 drives the body away for good.
+/// Displacement in m, or speed in m/s, beyond which model 2's softening spring drives the body away
+/// for good.
 pub(crate) const ESCAPE: f64 = 10.0;
 
 /// Options for a run of model 2, which ends with an error where the body escapes.

@@ -27,9 +27,9 @@ pub struct CommittedSearch {
     pub sha256: String,
     /// Configurations tried: readings × integrators × settings of the estimator.
     pub configurations: usize,
-    /// Among these, those whose reading keeps all three motions.
+    /// Configurations among these whose reading keeps all three motions.
     pub kept: usize,
-    /// Among these, those with all three kinds of motion. No others are ranked.
+    /// Configurations among these with all three kinds of motion. No others are ranked.
     pub ranked: usize,
     /// Numbers of readings, integrators and settings of the estimator among the ranked
     /// configurations.

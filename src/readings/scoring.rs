@@ -29,9 +29,9 @@ pub fn scores(values: &Twelve, wanted: &Twelve) -> [f64; 4] {
 pub struct RowsByRole<'a> {
     /// Rows that compete.
     pub search: Vec<&'a ConfigurationRow>,
-    /// Among these, those whose reading keeps all three motions.
+    /// Configurations among these whose reading keeps all three motions.
     pub kept: Vec<&'a ConfigurationRow>,
-    /// Among these, those with all three kinds of motion. No others are ranked.
+    /// Configurations among these with all three kinds of motion. No others are ranked.
     pub ranked: Vec<&'a ConfigurationRow>,
     /// One row for each pair of reading and integrator. Its motions do not depend on the estimator.
     pub pairs: Vec<&'a ConfigurationRow>,

@@ -310,8 +310,8 @@ impl Paper {
         let Some((&first, rest)) = line.split_first() else {
             return;
         };
-        // Number of parts since the last new one, with the number of points and the last of them
-        // up to there, while the line goes on over parts that are drawn already.
+        // While the line goes on over drawn parts: their number since the last new one, the number
+        // of points up to there, and the last of them.
         let mut open: Option<(u32, usize, Point)> = None;
         let (mut from, begin) = (first, kept.len());
         for (k, &to) in rest.iter().enumerate() {

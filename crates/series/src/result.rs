@@ -80,9 +80,9 @@ impl Status {
 /// An exponent estimated from a series.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataExponent {
-    /// Per unit of time, by the estimator of the settings. For [`Status::Unidentified`] what that
-    /// fit happens to give, or NaN if no reference point determines it; for [`Status::Annihilated`]
-    /// minus infinity.
+    /// Exponent per unit of time, by the estimator of the settings. With [`Status::Unidentified`]
+    /// it is that of an uncertain fit, or NaN if no reference point determines it. With
+    /// [`Status::Annihilated`] it is minus infinity.
     pub value: f64,
     /// Standard error. With [`super::Estimator::SanoSawada`] it is that of the mean, from the
     /// scatter between blocks of time; it is statistical only and excludes bias.

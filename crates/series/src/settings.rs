@@ -37,7 +37,7 @@ pub enum Neighbourhood {
         /// Largest number of points. If the ball holds more, only this many nearest ones are taken.
         max: usize,
     },
-    /// So many nearest points, at any distance.
+    /// Number of nearest points, at any distance.
     Nearest(usize),
 }
 

@@ -10,7 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use stickslip::{Filippov, Scalar, Side};
 
 use crate::expression::{Binary, Function, Graph, Id, Tape};
-use crate::kernel::OneContact;
+use crate::kernel::TapedFilippov;
 
 thread_local! {
     static GRAPH: RefCell<Graph> = RefCell::new(Graph::new());
@@ -175,7 +175,7 @@ fn traced<const N: usize, const K: usize>(
 /// assert!((one - other).amax() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<OneContact> {
+pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<TapedFilippov> {
     let field = |side| traced(|t, x| system.field(side, t, x));
     let holding = |side| traced(|t, x| system.holding(side, t, x));
     let field = [field(Side::Below)?, field(Side::Above)?];
@@ -186,7 +186,7 @@ pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<OneContact> {
         has_contact = force.is_some();
         [force.unwrap_or(t)]
     })?;
-    Some(OneContact {
+    Some(TapedFilippov {
         dimension: N,
         holding: (holding != field).then_some(holding),
         field,

@@ -218,8 +218,8 @@ pub enum Error {
         /// Absolute tolerance.
         atol: f64,
     },
-    /// The orbit comes to where the field is not Lipschitz: the rate of a component vanishes as a
-    /// power below 1 of its distance, and the equation does not say what follows.
+    /// The orbit reaches a place where the field is not Lipschitz. The rate of a component vanishes
+    /// as a power below 1 of its distance, and the solution beyond is not unique.
     #[error(
         "the field is not Lipschitz at t = {t}, x = {x}: its slope grows without bound on the last \
             part of the way, as of √x at 0, and no solution is the only one beyond; end the run \
@@ -231,8 +231,8 @@ pub enum Error {
         /// State there.
         x: Point,
     },
-    /// A contact is reached at whose boundary the field is a root of the distance, and which the
-    /// rules do not take: one of several, or one whose distance rounding does not leave at zero.
+    /// The field is a root of the distance from a boundary that the rules do not cover: that of one
+    /// of several contacts, or one whose distance rounding does not leave at zero.
     #[error(
         "the field is a root of the distance from a boundary reached at t = {t}, x = {x}, as \
             √|v| is: such a law is followed where its contact is the only one and its boundary is \
@@ -337,7 +337,7 @@ pub enum Error {
         accumulation: Option<Box<Accumulation>>,
     },
     /// A field with comparisons ([`crate::Scalar::exceeds`] and what uses it) reverses where they
-    /// change and holds the orbit there, as a discontinuity boundary does: only rounding moves the
+    /// change, and holds the orbit there as a discontinuity boundary does. Only rounding moves the
     /// orbit from one reversal to the next.
     #[error(
         "the field reversed {count} times within {span:e} before t = {t}, x = {x}: comparisons \
@@ -483,8 +483,8 @@ pub enum Error {
         /// State before them.
         x: Point,
     },
-    /// A comparison that decides what a jump does is between equal numbers: the orbit is at the
-    /// edge of two branches, as at a graze, and tangent vectors have no image.
+    /// A comparison that decides what a jump does is between equal numbers. The orbit is at the
+    /// edge of two branches, as at a graze, where tangent vectors have no image.
     #[error(
         "jump {jump} chooses between equal numbers at t = {t}, x = {x}, so that the derivative of \
             the flow is singular, as at a graze; change the start or a parameter a little",

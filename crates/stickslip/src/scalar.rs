@@ -11,10 +11,10 @@ use crate::math;
 
 /// A real number with the operations that a vector field may use.
 ///
-/// Models are generic over it, so that the library can run the same two functions on several types:
-/// `f64` for values, dual numbers for Jacobians, normal components and Lie derivatives, and
-/// coefficients for Taylor series. It requires little: any type with arithmetic and these few
-/// functions, such as an interval, can implement it.
+/// Models are generic over it, so that the library can run the same two functions on several types.
+/// Numbers of type `f64` give values, and coefficients give Taylor series. Dual numbers give
+/// Jacobians, normal components and Lie derivatives. Any type with arithmetic and these few
+/// functions, such as an interval, can implement the trait.
 ///
 /// Constants enter through the `f64` operators (`x * 2.0`) or [`Scalar::constant`]. They stand on
 /// the right: the compiler rejects `0.5 * x` and `1.0 - x` with "cannot multiply `f64` by `T`",

@@ -59,7 +59,7 @@ pub struct Shares {
     pub slip_only: f64,
     /// Any periodic motion with stick.
     pub stick_slip: f64,
-    /// Among these, the motions of the caption's kind, [`two_periodic`].
+    /// Motions of the caption's kind among these, [`two_periodic`].
     pub stick_slip_two: f64,
     /// Any other periodic motion without stick.
     pub other: f64,

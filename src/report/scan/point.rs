@@ -15,7 +15,7 @@ use stickslip::{AtRepelling, Error, Options, State, Unchecked, solve};
 described! {
     /// Class of the motion from a start.
     StartClass: &'static str as pub name {
-        /// Beyond the spring's reach.
+        /// Out of the spring's reach.
         Escape = "escapes",
         /// Periodic without stick.
         SlipOnly = "slip_only",

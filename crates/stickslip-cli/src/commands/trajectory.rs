@@ -205,7 +205,7 @@ fn ends((low, high): (f64, f64)) -> impl Iterator<Item = f64> {
     [low, high].into_iter()
 }
 
-/// Intervals within a range of time, with those in one of `columns` columns as one of their total
+/// Intervals within a range of time. Those in one of `columns` columns become one of their total
 /// length, which looks the same where a column is narrower than a pixel.
 fn by_columns(sticks: &[(f64, f64)], (from, to): (f64, f64), columns: usize) -> Vec<(f64, f64)> {
     if sticks.len() <= columns {

@@ -37,7 +37,7 @@ pub enum SweepError {
         /// The cause.
         source: io::Error,
     },
-    /// There are blocks without a manifest.
+    /// Blocks have no manifest.
     #[error("{} has blocks but no manifest.json, so nothing says what they are of; put the \
         manifest back, or choose another folder", folder.display())]
     NoManifest {

@@ -22,10 +22,10 @@ pub struct Merged {
 /// one of them. Everything is checked before anything is written.
 ///
 /// # Errors
-/// [`SweepError::NoSweep`] for a folder without one, [`SweepError::ShareOfOtherSweep`] for a share
-/// of another sweep, [`SweepError::BlockOfOtherSweep`] for a block of another one,
-/// [`SweepError::Gaps`], [`SweepError::Overlap`]; [`SweepError::Differs`] if `out` holds another
-/// sweep; those of files.
+/// [`SweepError::NoSweep`] for a folder without one. [`SweepError::ShareOfOtherSweep`] for a share
+/// of another sweep. [`SweepError::BlockOfOtherSweep`] for a block of another one.
+/// [`SweepError::Gaps`]. [`SweepError::Overlap`]. [`SweepError::Differs`] if `out` holds another
+/// sweep. Errors of files.
 pub fn merge(out: &Path, folders: &[impl AsRef<Path>]) -> Result<Merged, SweepError> {
     let sources = folders
         .iter()

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use super::curve::PiecewisePolynomial;
 use super::functions::Function;
 use super::held::{
-    Decision, HeldNumbers, HeldOperation, Holding, Place, Probe, Rule, Test, normal,
+    BuildDecision, HeldNumbers, HeldOperation, HeldProbe, Holding, Place, Rule, Test, normal,
 };
 use super::tree::Binary;
 
@@ -213,11 +213,11 @@ impl Graph {
         place.is_some_and(|place| self.held.ask(test, place))
     }
 
-    /// What a function of the held numbers gives, as a decision. It is given those of all numbers
-    /// so far, by place.
-    pub fn probed(&mut self, probe: Arc<Probe>) -> usize {
+    /// Evaluates a function of the held numbers and records its value as a decision. The function
+    /// gets the values of all held numbers so far, by place.
+    pub fn probed(&mut self, probe: Arc<HeldProbe>) -> usize {
         let found = probe(&self.held_values());
-        self.held.record(Decision::Probed(probe, found));
+        self.held.record(BuildDecision::Probed(probe, found));
         found
     }
 

@@ -1,9 +1,9 @@
 //! Numbers that are constant along an orbit: literals, parameters, and what follows from them.
 //!
 //! A graph computes them when they are added, and takes decisions by their values: a factor of one
-//! is left out, a denominator of zero is refused. For other values of the parameters nothing is
-//! built again where all decisions are the same: [`HeldNumbers::of`] repeats the operations, so
-//! that each number has the bits that a build with these values would give.
+//! is left out, a denominator of zero is refused. Other values of the parameters build nothing
+//! where all decisions are the same. [`HeldNumbers::of`] repeats the operations, so that each
+//! number has the bits that a build with these values would give.
 
 use std::fmt;
 use std::sync::Arc;
@@ -122,26 +122,26 @@ pub(super) enum Rule {
 }
 
 /// A function of held numbers by whose value a build decides.
-pub type Probe = dyn Fn(&Arc<[f64]>) -> usize + Send + Sync;
+pub type HeldProbe = dyn Fn(&Arc<[f64]>) -> usize + Send + Sync;
 
 /// A decision of a build.
 #[derive(Clone)]
-pub(super) enum Decision {
+pub(super) enum BuildDecision {
     /// Answer to a question about one number.
     Asked(Test, Place, bool),
     /// Whether two numbers are equal.
     Equal(Place, Place, bool),
-    /// What a function gave.
-    Probed(Arc<Probe>, usize),
+    /// Value of a function of the held numbers.
+    Probed(Arc<HeldProbe>, usize),
 }
 
-impl Decision {
+impl BuildDecision {
     fn is_same(&self, held: &Arc<[f64]>) -> bool {
         let value = |place: &Place| held[place.index()];
         match self {
-            Decision::Asked(test, place, holds) => test.holds(value(place)) == *holds,
-            Decision::Equal(one, other, holds) => (value(one) == value(other)) == *holds,
-            Decision::Probed(probe, found) => probe(held) == *found,
+            BuildDecision::Asked(test, place, holds) => test.holds(value(place)) == *holds,
+            BuildDecision::Equal(one, other, holds) => (value(one) == value(other)) == *holds,
+            BuildDecision::Probed(probe, found) => probe(held) == *found,
         }
     }
 }
@@ -150,7 +150,7 @@ impl Decision {
 #[derive(Clone, Default)]
 pub struct HeldNumbers {
     pub(super) rules: Vec<Rule>,
-    pub(super) decisions: Vec<Decision>,
+    pub(super) decisions: Vec<BuildDecision>,
     pub(super) curves: Vec<Arc<PiecewisePolynomial>>,
 }
 
@@ -170,7 +170,7 @@ impl HeldNumbers {
             held.push(normal(value)?);
         }
         let held: Arc<[f64]> = held.into();
-        let is_same = |decision: &Decision| decision.is_same(&held);
+        let is_same = |decision: &BuildDecision| decision.is_same(&held);
         self.decisions.iter().all(is_same).then_some(held)
     }
 }
@@ -216,7 +216,7 @@ impl Holding {
     pub(super) fn ask(&mut self, test: Test, place: Place) -> bool {
         let holds = test.holds(self.value(place));
         if !self.is_literal(place) && self.asked.insert((test, place)) {
-            self.record(Decision::Asked(test, place, holds));
+            self.record(BuildDecision::Asked(test, place, holds));
         }
         holds
     }
@@ -225,12 +225,12 @@ impl Holding {
     pub(super) fn equal(&mut self, one: Place, other: Place) -> bool {
         let holds = self.value(one) == self.value(other);
         if one != other && !(self.is_literal(one) && self.is_literal(other)) {
-            self.record(Decision::Equal(one, other, holds));
+            self.record(BuildDecision::Equal(one, other, holds));
         }
         holds
     }
 
-    pub(super) fn record(&mut self, decision: Decision) {
+    pub(super) fn record(&mut self, decision: BuildDecision) {
         self.numbers.decisions.push(decision);
     }
 }

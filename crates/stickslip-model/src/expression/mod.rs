@@ -28,7 +28,7 @@ pub use curve::{Between, Beyond, NoCurve, PiecewisePolynomial};
 pub use derivative::GraphInput;
 pub use functions::{FUNCTIONS, Function};
 pub use graph::{Graph, Id, NotANumber};
-pub use held::{HeldNumbers, Place, Probe, Test};
+pub use held::{HeldNumbers, HeldProbe, Place, Test};
 pub use parse::{CHOICE, parse, parse_condition};
 pub use tape::{MOST_REGISTERS, Tape, TooLarge};
 pub use token::{begins_name, is_in_name, normal};

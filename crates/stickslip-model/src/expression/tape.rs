@@ -35,7 +35,7 @@ pub struct Tape {
     held: Arc<[f64]>,
 }
 
-/// What a tape does, for any values of the held numbers.
+/// Operations of a tape, for any values of the held numbers.
 #[derive(Debug)]
 struct Operations {
     steps: Vec<TapeStep>,

@@ -16,7 +16,7 @@ use crate::kernel::Combination;
 const MOST_FORMULAS: usize = 4096;
 const MOST_BUILDS: usize = 8;
 
-/// What a tape is of.
+/// A set of formulas that one tape computes.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) enum FormulaKey {
     /// The sizes of all frictions in a combination.

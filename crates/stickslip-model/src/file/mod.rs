@@ -39,8 +39,8 @@
 //! `if`, a condition, nothing happens where it does not hold.
 //! `[discrete]` lists states that change only in jumps, each with its start.
 //!
-//! `[stops.NAME]` describes a stop: `gap` is positive in flight, `acts` says what a unit of its
-//! reaction adds to the rates of states, and `restitution` which part of the approach speed an
+//! `[stops.NAME]` describes a stop, whose `gap` is positive in flight. `acts` is what a unit of its
+//! reaction adds to the rates of states. `restitution` is the part of the approach speed that an
 //! impact gives back. `NAME.force` is the reaction, and the discrete state `NAME.closed` is 1 while
 //! the stop carries. It is 0 at the start, unless `[start]` has `NAME.closed = 1`.
 //!

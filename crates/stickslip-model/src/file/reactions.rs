@@ -141,9 +141,9 @@ impl System {
         self.formula_tape(FormulaKey::Reactions(of), build).ok()
     }
 
-    /// Why a stop that carries at a state has no finite reaction there, in words: on some sides of
-    /// the contacts, the friction that follows the reaction undoes its effect on the gap. `None` if
-    /// all reactions are finite.
+    /// Reason, in words, why a stop that carries at a state has no finite reaction there. On some
+    /// sides of the contacts, the friction that follows the reaction undoes its effect on the gap.
+    /// `None` if all reactions are finite.
     pub(super) fn without_reaction(&self, t: f64, x: &[f64]) -> Option<String> {
         let file = &self.file;
         if file.stops.is_empty() || x.len() != self.states() {

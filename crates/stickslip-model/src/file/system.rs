@@ -18,8 +18,8 @@ use super::{
 };
 use crate::expression::Tape;
 use crate::kernel::{
-    Combination, Equations, HELD_PER_INPUT, ManyContacts, OneContact, SectionFunction, Size,
-    Switching, dynamics, sides_to_check,
+    Combination, Equations, HELD_PER_INPUT, SectionFunction, Size, Switching, TapedContacts,
+    TapedFilippov, dynamics, sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -220,10 +220,11 @@ impl System {
         })
     }
 
-    /// How often formulas were built for this system and those that differ from it in values of
-    /// parameters, in free parameters or in the interrupt: as a rule once for each set of free
-    /// parameters, and for each formula that is observed besides. Formulas are built again where a
-    /// value changes what is left out of them, such as a factor that is exactly 0 or 1.
+    /// Number of times that formulas were built for this system and its relatives. Relatives differ
+    /// in values of parameters, in free parameters or in the interrupt. As a rule, formulas are
+    /// built once for each set of free parameters, and once for each observed formula. A value that
+    /// changes what is left out of a formula builds it again, such as a factor that is exactly 0 or
+    /// 1.
     pub fn builds(&self) -> usize {
         self.family.builds()
     }
@@ -650,7 +651,7 @@ fn equations(built: &Built) -> Equations {
             let tape = |above| fields.tape(Combination { above, held });
             Some([tape(0)?, tape(1)?])
         };
-        Some(OneContact {
+        Some(TapedFilippov {
             dimension,
             field: both(0)?,
             holding: match built.has_static {
@@ -663,7 +664,7 @@ fn equations(built: &Built) -> Equations {
     };
     match one_contact().filter(|_| fields.contacts() <= 1) {
         Some(system) => Equations::OneContact(Box::new(system)),
-        None => Equations::ManyContacts(ManyContacts {
+        None => Equations::ManyContacts(TapedContacts {
             dimension,
             fields: fields.clone(),
             has_static: built.has_static,

@@ -6,7 +6,7 @@ use stickslip::dynamics::{Dynamics, DynamicsRef, Interrupt, Typed};
 use stickslip::{Filippov, Several};
 
 use super::inputs::Switching;
-use super::system::{Equations, ManyContacts, OneContact, OwnSections, SectionFunction};
+use super::system::{Equations, OwnSections, SectionFunction, TapedContacts, TapedFilippov};
 
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
@@ -41,19 +41,19 @@ pub fn dynamics(
 }
 
 /// The dynamics of a system with at most one contact; `None` if it has too many states.
-fn of_one_contact(system: OneContact, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
+fn of_one_contact(system: TapedFilippov, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
-        system: OneContact,
+        system: TapedFilippov,
         (sections, switching, interrupt): Extras,
         size: Size,
     ) -> Box<dyn Dynamics>
     where
-        OneContact: Filippov<N>,
+        TapedFilippov: Filippov<N>,
     {
         let system = (system, sections, switching);
         let (states, contacts) = (size.states, size.contacts);
         let typed =
-            Typed::<_, OneContact, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
+            Typed::<_, TapedFilippov, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
         Box::new(
             typed
                 .with_parameters(size.parameters)
@@ -72,9 +72,13 @@ fn of_one_contact(system: OneContact, extras: Extras, size: Size) -> Option<Box<
 }
 
 /// The dynamics of a system with several contacts; `None` if it has too many contacts or states.
-fn of_many_contacts(system: ManyContacts, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
+fn of_many_contacts(
+    system: TapedContacts,
+    extras: Extras,
+    size: Size,
+) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
-        system: ManyContacts,
+        system: TapedContacts,
         (sections, switching, interrupt): Extras,
         size: Size,
     ) -> Box<dyn Dynamics> {

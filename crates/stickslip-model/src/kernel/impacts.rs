@@ -1,9 +1,10 @@
 //! Newton's law of restitution at stops that close or touch.
 //!
 //! The impulses `P ≥ 0` and the rates of the gaps after them, `u⁺ = u⁻ + G P`, are complementary:
-//! `w = u⁺ + e u⁻ ≥ 0` with `P·w = 0` where a gap closes, `w = u⁺` elsewhere (Moreau, *Unilateral
-//! contact and dry friction in finite freedom dynamics*, CISM 302 (1988); Glocker, *Set-Valued
-//! Force Laws*, 2001, Sect. 9).
+//! `w ≥ 0` with `P·w = 0`, where `w = u⁺ + e u⁻` if a gap closes, else `w = u⁺`.
+//!
+//! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302
+//! (1988); Glocker, *Set-Valued Force Laws*, 2001, Sect. 9.
 
 use std::sync::Arc;
 
@@ -11,8 +12,8 @@ use stickslip::Scalar;
 
 use crate::expression::Tape;
 
-/// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms: some
-/// thousand units in the last place, which sums of as many terms leave.
+/// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms. It is
+/// some thousand units in the last place: the rounding of a sum of as many terms.
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// The law of impact of the stops of a system.
@@ -67,7 +68,7 @@ impl<T: Scalar> Touching<T> {
 }
 
 /// Event to which stops react.
-enum Cause {
+enum StopEvent {
     /// The impact of a stop.
     Impact(usize),
     /// The landing of a stop.
@@ -130,7 +131,7 @@ impl Impacts {
             .collect()
     }
 
-    /// Which stops carry in a state.
+    /// Whether each stop carries in a state.
     pub fn carrying<T: Scalar>(&self, x: &[T]) -> Vec<bool> {
         let closed = self.closed.iter();
         closed.map(|&closed| x[closed].value() > 0.5).collect()
@@ -139,14 +140,14 @@ impl Impacts {
     /// The states after the impact of a stop. Not a number where no impulses follow the law, or a
     /// restitution is not between 0 and 1.
     pub fn strike<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&Cause::Impact(stop), t, x);
+        self.changed(&StopEvent::Impact(stop), t, x);
     }
 
     /// The states after a jump from a state before it, which may move what closed stops carry. Not
     /// a number as at an impact.
     pub fn settle<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) {
         let kicks = self.release(t, before, x);
-        self.changed(&Cause::Jump(kicks), t, x);
+        self.changed(&StopEvent::Jump(kicks), t, x);
     }
 
     /// The states after a stop has let go.
@@ -159,14 +160,14 @@ impl Impacts {
     /// vanishes by an impulse, which other closed stops share. The gap vanishes along the motion
     /// that follows an impulse. So the derivative is that of infinitely many impacts.
     pub fn land<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&Cause::Landing(stop), t, x);
+        self.changed(&StopEvent::Landing(stop), t, x);
     }
 
     /// The impulses of all stops at an impact or a landing.
     pub fn impulses(&self, stop: usize, lands: bool, t: f64, x: &[f64]) -> Vec<f64> {
         let cause = match lands {
-            true => Cause::Landing(stop),
-            false => Cause::Impact(stop),
+            true => StopEvent::Landing(stop),
+            false => StopEvent::Impact(stop),
         };
         self.impulses_of(&cause, t, x)
     }
@@ -174,10 +175,10 @@ impl Impacts {
     /// The impulses of all stops behind a jump from a state before it.
     pub fn impulses_behind(&self, t: f64, before: &[f64], x: &mut [f64]) -> Vec<f64> {
         let kicks = self.release(t, before, x);
-        self.impulses_of(&Cause::Jump(kicks), t, x)
+        self.impulses_of(&StopEvent::Jump(kicks), t, x)
     }
 
-    fn impulses_of(&self, cause: &Cause, t: f64, x: &[f64]) -> Vec<f64> {
+    fn impulses_of(&self, cause: &StopEvent, t: f64, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.closed.len()];
         if let Some(Strike {
             touching,
@@ -192,7 +193,7 @@ impl Impacts {
         all
     }
 
-    fn changed<T: Scalar>(&self, cause: &Cause, t: T, x: &mut [T]) {
+    fn changed<T: Scalar>(&self, cause: &StopEvent, t: T, x: &mut [T]) {
         let Some(Strike {
             touching, parts, ..
         }) = self.struck(cause, t, x)
@@ -240,12 +241,12 @@ impl Impacts {
 
     /// The stops that take part in an impact and the impulses that follow the law; `None` where
     /// nothing changes.
-    fn struck<T: Scalar>(&self, cause: &Cause, t: T, x: &[T]) -> Option<Strike<T>> {
+    fn struck<T: Scalar>(&self, cause: &StopEvent, t: T, x: &[T]) -> Option<Strike<T>> {
         let impact = match cause {
-            Cause::Impact(stop) | Cause::Landing(stop) => Some(*stop),
-            Cause::Jump(_) => None,
+            StopEvent::Impact(stop) | StopEvent::Landing(stop) => Some(*stop),
+            StopEvent::Jump(_) => None,
         };
-        let lands = matches!(cause, Cause::Landing(_));
+        let lands = matches!(cause, StopEvent::Landing(_));
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -259,7 +260,7 @@ impl Impacts {
                 let touches = impact.is_some() && gap.value() <= ROUNDING * size;
                 let takes_part = impact == Some(stop) || is_closed || touches;
                 let is_kicked = match cause {
-                    Cause::Jump(kicks) => kicks[stop] != 0.0,
+                    StopEvent::Jump(kicks) => kicks[stop] != 0.0,
                     _ => false,
                 };
                 let carries = is_closed && !is_kicked;
@@ -335,9 +336,9 @@ fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
     })
 }
 
-/// How far to go back along the way of each stop so that all gaps vanish at once: the way that
-/// closes one gap opens another one as much as the impulses do. Each on its own where the ways
-/// depend on each other, as where two stops hold one body at one place.
+/// Distance to go back along the way of each stop so that all gaps vanish at once. The way that
+/// closes one gap opens another one as much as the impulses do. Ways that depend on each other are
+/// gone one by one, as those of two stops that hold one body at one place.
 fn shifts<T: Scalar>(touching: &[Touching<T>]) -> Vec<T> {
     let entry = |row: &Touching<T>, column: &Touching<T>| {
         row.coupling[column.stop] / column.coupling[column.stop]

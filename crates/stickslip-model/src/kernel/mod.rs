@@ -19,7 +19,7 @@ pub use conditions::{Choice, JumpCondition};
 pub use impacts::Impacts;
 pub use inputs::{HELD_PER_INPUT, Input, InputPiece, Jump, Map, Shape, Switching, pulse};
 pub use system::{
-    ByCombination, Combination, Equations, Fields, ManyContacts, OneContact, SectionFunction,
+    ByCombination, Combination, Equations, Fields, SectionFunction, TapedContacts, TapedFilippov,
     sides_to_check,
 };
 

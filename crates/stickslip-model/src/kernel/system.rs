@@ -9,7 +9,7 @@ use crate::expression::Tape;
 
 /// A system with one contact and its fields as tapes.
 #[derive(Clone, Debug)]
-pub struct OneContact {
+pub struct TapedFilippov {
     /// Number of states, with what inputs hold.
     pub dimension: usize,
     /// The field of each side, [`Side::Below`] first.
@@ -37,7 +37,7 @@ fn values<T: Scalar, const N: usize, const K: usize>(tape: &Tape, t: T, x: &[T; 
     out
 }
 
-impl<const N: usize> Filippov<N> for OneContact {
+impl<const N: usize> Filippov<N> for TapedFilippov {
     const INTERPRETED: bool = true;
 
     #[inline(always)]
@@ -83,7 +83,7 @@ pub type BuildTape = dyn Fn(Combination) -> Option<Tape> + Send + Sync;
 /// Storage of what belongs to a combination.
 type Slot<T> = OnceLock<(Combination, T)>;
 
-/// What belongs to each combination of sides and holding contacts, 4^M for M contacts. Each is made
+/// One value for each combination of sides and holding contacts, 4^M for M contacts. Each is made
 /// on first use.
 pub struct ByCombination<T> {
     contacts: usize,
@@ -131,7 +131,7 @@ impl<T> ByCombination<T> {
         }
     }
 
-    /// What belongs to a combination, made if necessary; `None` if there is no room.
+    /// Value of a combination, made if necessary; `None` if there is no room.
     pub fn get_or_make(&self, of: Combination, make: impl Fn() -> T) -> Option<&T> {
         let stored = self
             .slots_of(of)
@@ -228,7 +228,7 @@ impl fmt::Debug for Fields {
 
 /// A system with several contacts and its fields as tapes.
 #[derive(Clone, Debug)]
-pub struct ManyContacts {
+pub struct TapedContacts {
     /// Number of states, with what inputs hold.
     pub dimension: usize,
     /// The fields.
@@ -241,7 +241,7 @@ pub struct ManyContacts {
     pub boundaries: Tape,
 }
 
-impl ManyContacts {
+impl TapedContacts {
     /// Bits of the existing contacts for which a condition holds.
     fn bits<const M: usize>(&self, is: impl Fn(usize) -> bool) -> usize {
         let contacts = self.fields.contacts().min(M);
@@ -255,7 +255,7 @@ impl ManyContacts {
     }
 }
 
-impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
+impl<const N: usize, const M: usize> Contacts<N, M> for TapedContacts {
     const INTERPRETED: bool = true;
 
     #[inline(always)]
@@ -300,9 +300,9 @@ impl<const N: usize, const M: usize> Contacts<N, M> for ManyContacts {
 #[derive(Clone, Debug)]
 pub enum Equations {
     /// One contact.
-    OneContact(Box<OneContact>),
+    OneContact(Box<TapedFilippov>),
     /// Several contacts.
-    ManyContacts(ManyContacts),
+    ManyContacts(TapedContacts),
 }
 
 /// A Poincaré section.

@@ -169,9 +169,9 @@ impl<'a> Along<'a> {
         Ok(curve)
     }
 
-    /// The branches that begin at a flip or branch point of a branch, and at their flips to a
-    /// depth, in the time of the branch; `x` is the start of [`Along::start`]. `None` if none was
-    /// found.
+    /// The branches that begin at a flip or branch point of a branch, in the time of the branch.
+    /// Branches from their flips follow, to a depth. `x` is the start of [`Along::start`]. `None`
+    /// if none was found.
     ///
     /// # Errors
     /// Those of [`switch_branches_to`].

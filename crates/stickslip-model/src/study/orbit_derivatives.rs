@@ -115,7 +115,7 @@ impl OrbitVariables {
     }
 
     /// The derivatives of an orbit of the system. A driven one was found from a time `origin`,
-    /// whole periods before: the derivatives of its state are those at that time, so that the state
+    /// whole periods before. The derivatives of its state are those at that time, so that the state
     /// keeps its phase in the drive.
     ///
     /// # Errors
@@ -145,7 +145,7 @@ impl OrbitVariables {
         };
         let (mut of_multipliers, mut missing) = (Vec::new(), Vec::new());
         for (k, (name, value)) in self.names.iter().zip(values).enumerate() {
-            let slopes = Slopes {
+            let slopes = ParameterDerivatives {
                 name,
                 value,
                 period: found.period[k],
@@ -244,7 +244,7 @@ fn phases(system: &System, orbit: &PeriodicOrbit, options: &Options) -> Result<V
 }
 
 /// A parameter, its derivatives and the step of its differences.
-struct Slopes<'n> {
+struct ParameterDerivatives<'n> {
     name: &'n str,
     value: f64,
     period: f64,
@@ -266,7 +266,7 @@ impl Base<'_> {
     /// Derivatives of the multipliers: `(8 (m₁ − m₋₁) − (m₂ − m₋₂)) / 12h`.
     fn multiplier_slopes(
         &self,
-        of: &Slopes<'_>,
+        of: &ParameterDerivatives<'_>,
     ) -> Result<Vec<Complex<f64>>, NoMultiplierDerivatives> {
         let mut all = Vec::new();
         for by in [1.0, -1.0, 2.0, -2.0] {
@@ -290,7 +290,7 @@ impl Base<'_> {
     /// The multipliers of the orbit with another value of a parameter, each nearest to one of this.
     fn multipliers_at(
         &self,
-        of: &Slopes<'_>,
+        of: &ParameterDerivatives<'_>,
         by: f64,
     ) -> Result<Vec<Complex<f64>>, NoMultiplierDerivatives> {
         let value = of.value + by;

@@ -1,4 +1,4 @@
-//! What decides the time of an event: its own function, or the kink of an input.
+//! Cause of an event's time: its own function, or the kink of an input.
 
 use crate::dynamics::{Dynamics, Guard, Modes, Moment, Transition, Vector, instant};
 use crate::filippov::{Direction, RELATIVE_ROUNDING, TransitionKind};
@@ -10,7 +10,7 @@ pub(crate) struct LastEvent {
     kink: Option<usize>,
 }
 
-/// What decides the time of an event.
+/// Function, or kink of an input, that decides the time of an event.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cause {
     /// The input whose kink decides it. Without one, it is the event's own function, or an event

@@ -459,8 +459,8 @@ impl<F> Minimisation<'_, F> {
         }
     }
 
-    /// The points on both sides of the first change found on the way to a point of another piece:
-    /// none before it where the change is at the start of the way.
+    /// The points on both sides of the first change found on the way to a point of another piece.
+    /// A change at the start of the way has none before it.
     fn held<P: PartialEq, E>(
         &mut self,
         here: &Iterate<P>,

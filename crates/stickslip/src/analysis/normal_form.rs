@@ -12,10 +12,10 @@ use crate::filippov::{MIN_TOLERANCE, Options};
 /// Side of a bifurcation on which the smaller or longer orbits, or the torus, exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Criticality {
-    /// They exist where the orbit is unstable, and attract where it has no other unstable
-    /// direction.
+    /// Branching orbits exist where the orbit is unstable. They attract where it has no other
+    /// unstable direction.
     Supercritical,
-    /// They exist where the orbit is stable, and are unstable.
+    /// Branching orbits exist where the orbit is stable, and are unstable.
     Subcritical,
 }
 

@@ -85,9 +85,9 @@ pub struct PeriodicDerivatives {
 ///
 /// # Errors
 /// Those of [`crate::run`]. [`Error::TangentSingular`] where the orbit has no derivative, as at a
-/// graze. [`Error::NotFound`] for an orbit of a family, for one that has no orbits beside it as at
-/// a fold, and where a discrete state depends on a parameter at the start of the period.
-/// [`Error::Parameter`] where the numbers of states do not fit.
+/// graze. [`Error::NotFound`] for an orbit of a family, and for one without neighbours, as at a
+/// fold. The same error is returned where a discrete state depends on a parameter at the start of
+/// the period. [`Error::Parameter`] where the numbers of states do not fit.
 pub fn periodic_derivatives<Kind>(
     system: &impl AsDynamics<Kind>,
     orbit: &PeriodicOrbit,
@@ -194,7 +194,7 @@ fn solved(
 
 /// Place of an extreme of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
+enum ExtremeAt {
     /// Start of a step.
     Begin,
     /// Inside a step, where its velocity is zero.
@@ -208,7 +208,7 @@ enum Place {
 struct Extreme {
     at: Moment,
     mode: Modes,
-    place: Place,
+    place: ExtremeAt,
 }
 
 /// Extremes of all states along one period.
@@ -232,7 +232,7 @@ impl Extremes {
         let begin = Extreme {
             at: start.clone(),
             mode,
-            place: Place::Begin,
+            place: ExtremeAt::Begin,
         };
         let mut found = Extremes {
             of: vec![[begin.clone(), begin]; states],
@@ -266,7 +266,7 @@ impl Extremes {
         let samples: Vec<Moment> = begin.chain(inside).chain([step.end()]).collect();
         let rates: Vec<Vector> = samples.iter().map(velocity).collect();
         for (state, known) in self.of.iter_mut().enumerate() {
-            let mut consider = |at: &Moment, place: Place| {
+            let mut consider = |at: &Moment, place: ExtremeAt| {
                 for (extreme, sign) in known.iter_mut().zip([-1.0, 1.0]) {
                     if sign * at.x[state] > sign * extreme.at.x[state] {
                         let (at, mode) = (at.clone(), step.mode);
@@ -274,7 +274,7 @@ impl Extremes {
                     }
                 }
             };
-            consider(&step.start(), Place::Begin);
+            consider(&step.start(), ExtremeAt::Begin);
             for (pair, rates) in samples.windows(2).zip(rates.windows(2)) {
                 let [before, after] = [&rates[0], &rates[1]].map(|rate| rate[state]);
                 if before * after < 0.0 {
@@ -286,10 +286,10 @@ impl Extremes {
                             false => high = middle,
                         }
                     }
-                    consider(&moment(0.5 * (low + high)), Place::Inside);
+                    consider(&moment(0.5 * (low + high)), ExtremeAt::Inside);
                 }
             }
-            consider(&step.end(), Place::End);
+            consider(&step.end(), ExtremeAt::End);
         }
     }
 
@@ -316,12 +316,12 @@ impl Extremes {
             let is_same = |t: f64| (t - one.at.t).abs() <= SAME_INSTANT * one.at.t.abs();
             let mut events = along.transitions.iter().filter(|event| is_same(event.at));
             let event: Option<&EventDerivatives> = match one.place {
-                Place::End => events.next(),
-                Place::Begin => events.next_back(),
-                Place::Inside => None,
+                ExtremeAt::End => events.next(),
+                ExtremeAt::Begin => events.next_back(),
+                ExtremeAt::Inside => None,
             };
             let row = match (event, one.place) {
-                (Some(event), Place::End) => event.before.row(state).into_owned(),
+                (Some(event), ExtremeAt::End) => event.before.row(state).into_owned(),
                 (Some(event), _) => event.after.row(state).into_owned(),
                 (None, _) => {
                     let number = times.iter().position(|t| *t == one.at.t);

@@ -8,8 +8,8 @@ use crate::dynamics::{
 use crate::error::{Error, Point};
 use crate::filippov::{EVENT_PRECISION, MIN_TOLERANCE, Options, TransitionKind};
 
-/// The entries of the saltation matrix at the zero of a function `h` with this gradient and time
-/// derivative, from the vector `before` to `after`: `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+/// Entries of the saltation matrix at a zero of `h`: `S = I + (f⁺ − f⁻) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`. The
+/// gradient and the time derivative are those of `h`; `before` is `f⁻`, and `after` is `f⁺`.
 ///
 /// Aizerman & Gantmakher 1958; Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671; Leine &
 /// Nijmeijer 2004, Ch. 7. It holds for crossings and for entry into stick (`after` is the sliding

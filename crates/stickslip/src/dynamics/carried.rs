@@ -44,7 +44,7 @@ pub(super) struct CarriedOver<'v, const N: usize> {
     pub how: Carrying,
 }
 
-/// What the pieces of a step have in common.
+/// Data common to the pieces of a step.
 #[derive(Clone, Copy)]
 struct Pieces {
     states: usize,

@@ -6,10 +6,9 @@ use crate::filippov::StepMemory;
 
 /// The end of a run, from which another run goes on with the bits of a single one.
 ///
-/// It holds the run before the first step that its end has shortened, with everything that the next
-/// step depends on: mode, step length, functions left at zero, transitions that may accumulate. The
-/// other run repeats that step at its own length, and reports what comes after the end of the
-/// first.
+/// It holds the run before the first step that its end has shortened. The next step depends on
+/// mode, step length, functions left at zero, and transitions that may accumulate. The other run
+/// repeats that step at its own length, and reports what comes after the end of the first.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RunMemory {

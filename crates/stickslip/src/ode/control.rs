@@ -34,9 +34,9 @@ const STEP_SAFETY: f64 = 0.9;
 
 /// Two estimates of a step's error, over its length.
 pub(crate) struct Estimates<V> {
-    /// Of order 5.
+    /// Error estimate of order 5.
     pub fifth: V,
-    /// Of order 3.
+    /// Error estimate of order 3.
     pub third: V,
 }
 

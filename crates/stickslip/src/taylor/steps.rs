@@ -45,13 +45,13 @@ struct RecordedStep {
     kind: StepKind,
     /// The row of the result, or the first row that is taken.
     row: u32,
-    a: Source,
-    b: Source,
+    a: RowSource,
+    b: RowSource,
     constant: f64,
 }
 
 impl RecordedStep {
-    fn of(kind: StepKind, row: u32, [a, mut b]: [Source; 2], constant: f64) -> Self {
+    fn of(kind: StepKind, row: u32, [a, mut b]: [RowSource; 2], constant: f64) -> Self {
         let kind = match kind {
             StepKind::Add | StepKind::Subtract if [a.factor, b.factor] != [1.0; 2] => {
                 if let StepKind::Subtract = kind {
@@ -73,7 +73,7 @@ impl RecordedStep {
 
 /// The rows that hold a number's coefficients.
 #[derive(Clone, Copy, Debug)]
-struct Source {
+struct RowSource {
     /// Row of the coefficient of order 0.
     first: u32,
     /// Row of the coefficients above order 0.
@@ -82,9 +82,9 @@ struct Source {
     factor: f64,
 }
 
-impl Source {
+impl RowSource {
     fn itself(row: u32) -> Self {
-        Source {
+        RowSource {
             first: row,
             higher: row,
             factor: 1.0,
@@ -166,7 +166,7 @@ impl Steps {
         let instructions = &recording.instructions;
         let is_constant = |linear: u32| recording.linear_numbers[linear as usize].is_constant;
         let uses = uses(instructions, wanted, &is_constant, rows);
-        let mut rows: Vec<Source> = (0..rows as u32).map(Source::itself).collect();
+        let mut rows: Vec<RowSource> = (0..rows as u32).map(RowSource::itself).collect();
         let mut steps = Vec::new();
         for (i, recorded) in instructions.iter().enumerate() {
             if !is_used(recorded, &uses) {
@@ -180,12 +180,12 @@ impl Steps {
                     let is_exact = constant.abs() == 1.0 || a.factor.abs() == 1.0;
                     match kind {
                         StepKind::Copy if uses[row as usize] < Use::Row => {
-                            rows[row as usize] = Source { first, ..a };
+                            rows[row as usize] = RowSource { first, ..a };
                             continue;
                         }
                         StepKind::Scale if uses[row as usize] == Use::Newest && is_exact => {
                             let factor = constant * a.factor;
-                            rows[row as usize] = Source { first, factor, ..a };
+                            rows[row as usize] = RowSource { first, factor, ..a };
                             continue;
                         }
                         _ => {}
@@ -201,7 +201,7 @@ impl Steps {
                         } => (StepKind::SineCosine, linear),
                         _ => (StepKind::Any, i as u32),
                     };
-                    RecordedStep::of(kind, recorded.first, [Source::itself(number); 2], 0.0)
+                    RecordedStep::of(kind, recorded.first, [RowSource::itself(number); 2], 0.0)
                 }
             };
             steps.push(step);
@@ -247,19 +247,19 @@ impl<const L: usize> AtOrder<'_, L> {
 
     /// The newest coefficient.
     #[inline(always)]
-    fn newest(&self, of: Source) -> Option<Lanes<L>> {
+    fn newest(&self, of: RowSource) -> Option<Lanes<L>> {
         Some(self.row(of.higher)?.at(self.order))
     }
 
     /// Coefficient times its factor.
     #[inline(always)]
-    fn scaled(&self, of: Source) -> Option<Lanes<L>> {
+    fn scaled(&self, of: RowSource) -> Option<Lanes<L>> {
         Some(lanes_of(self.newest(of)?, |a| of.factor * a))
     }
 
     /// The coefficient of order 0 and the newest one.
     #[inline(always)]
-    fn ends(&self, of: Source) -> Option<(Lanes<L>, Lanes<L>)> {
+    fn ends(&self, of: RowSource) -> Option<(Lanes<L>, Lanes<L>)> {
         Some((self.row(of.first)?.at(0), self.newest(of)?))
     }
 

@@ -3,7 +3,7 @@
 
 use stickslip::dynamics::DynamicsRef;
 use stickslip::{Error, Filippov, Scalar, Side};
-use stickslip_model::kernel::{Equations, OneContact, Size, Switching, dynamics};
+use stickslip_model::kernel::{Equations, Size, Switching, TapedFilippov, dynamics};
 use stickslip_model::trace::trace;
 
 /// A system in a form for which the solver is compiled: its formulas or, if it branches on values,
@@ -21,7 +21,7 @@ pub trait Compiled<const N: usize>: Filippov<N> {
 /// A system of `N` states as formulas.
 #[derive(Clone)]
 pub struct Traced<const N: usize> {
-    formulas: OneContact,
+    formulas: TapedFilippov,
     allowed: Result<(), Error>,
 }
 

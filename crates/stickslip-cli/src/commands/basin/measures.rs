@@ -178,7 +178,7 @@ impl EdgeRow {
     }
 }
 
-/// What the measures are taken of.
+/// A basin and its system, ready to be measured.
 pub(super) struct Measured<'a> {
     pub(super) system: &'a System,
     pub(super) settings: RecurrenceSettings,

@@ -1,9 +1,9 @@
 //! The equations of the stops in one combination of sides, and their reactions.
 //!
-//! A contact whose boundary vanishes while a stop carries, such as one at the velocity that the
-//! stop keeps at zero, shares the load with it in a way that no motion tells apart. Its friction
-//! is left out of that stop's reaction: the mean over both of its sides stands in the equation.
-//! So it sticks, and what it holds alone it goes on to hold when the stop has let go.
+//! The boundary of a contact may vanish while a stop carries, as at the velocity that the stop
+//! keeps at zero. Then the motion does not determine how contact and stop share the load. The
+//! contact's friction is left out of that stop's reaction: the equation has the mean over both of
+//! its sides. So it sticks, and what it holds alone it goes on to hold when the stop has let go.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ pub(super) struct StopEquations {
     pub rates: Vec<Id>,
     /// The second derivatives of the gaps without reactions.
     pub free: Vec<Id>,
-    /// What each reaction adds to the second derivative of each gap.
+    /// Second derivative of each gap by each reaction.
     pub coupling: Vec<Vec<Id>>,
     /// The field without reactions.
     pub field: Vec<Id>,
@@ -117,7 +117,7 @@ const POINTS: usize = 4;
 const VANISHED: f64 = 1e-9;
 
 /// The second derivative of a gap: without reactions, and what each of them adds.
-struct Row {
+struct GapAcceleration {
     free: Id,
     coupling: Vec<Id>,
 }
@@ -255,7 +255,7 @@ impl<'a> Build<'a> {
         graph: &mut Graph,
         (stop, rate): (&StopEntry, Id),
         of: Combination,
-    ) -> Result<Row, Problem> {
+    ) -> Result<GapAcceleration, Problem> {
         let wrong = |error: NotANumber| no_number(error, stop.gap.whole());
         let first = self.states();
         let [with, without] = self.fields(graph, of)?;
@@ -275,7 +275,7 @@ impl<'a> Build<'a> {
             return Err(Problem::new(message, stop.place.clone())
                 .help("friction and rates can be proportional to the force of a stop only"));
         }
-        Ok(Row { free, coupling })
+        Ok(GapAcceleration { free, coupling })
     }
 
     /// The mean of a row over both sides of the contacts of these bits.
@@ -284,7 +284,7 @@ impl<'a> Build<'a> {
         graph: &mut Graph,
         of_gap: (&StopEntry, Id),
         (of, shared): (Combination, usize),
-    ) -> Result<Row, Problem> {
+    ) -> Result<GapAcceleration, Problem> {
         let mut rows = Vec::new();
         for sides in (0..=shared).filter(|sides| sides & !shared == 0) {
             let above = of.above & !shared | sides;
@@ -295,7 +295,7 @@ impl<'a> Build<'a> {
         let Some(mut mean) = rows.pop() else {
             return self.row(graph, of_gap, of);
         };
-        let is_one = |row: &Row| {
+        let is_one = |row: &GapAcceleration| {
             let coupling = (&*row.coupling, &*mean.coupling);
             graph.are_same(row.free, mean.free) && are_same(graph, coupling)
         };
@@ -319,9 +319,9 @@ impl<'a> Build<'a> {
     }
 }
 
-/// The contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the
-/// gap, its rate, what a unit of the reaction adds to that, the rows of [`ways`] and [`acts`], and
-/// the boundaries, for so many states with what inputs hold, states, and contacts.
+/// Contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the gap,
+/// its rate, the derivative of that by the reaction, the rows of [`ways`] and [`acts`], and the
+/// boundaries. The numbers are those of states with what inputs hold, of states, and of contacts.
 fn shared_by(tape: &Tape, (all, states, contacts): (usize, usize, usize)) -> usize {
     let evaluated = |t: f64, x: &[f64]| {
         let mut values = vec![0.0; 3 + 2 * states + contacts];
@@ -370,7 +370,8 @@ pub(super) fn equations(
     for (number, stop) in file.stops.iter().enumerate() {
         let [gap, rate] = build.gap(graph, (stop, of))?;
         let shared = build.shared(graph, (number, gap, rate), of)?;
-        let Row { free, coupling } = build.mean_row(graph, (stop, rate), (of, shared))?;
+        let GapAcceleration { free, coupling } =
+            build.mean_row(graph, (stop, rate), (of, shared))?;
         if let Some(own) = graph.value(coupling[number])
             && !graph.is(coupling[number], Test::Positive)
         {
@@ -399,8 +400,8 @@ pub(super) fn equations(
     Ok(found)
 }
 
-/// What a unit of each reaction adds to the second derivative of its own gap in one combination of
-/// sides: with the friction that follows it, and without.
+/// Second derivative of each stop's gap by its own reaction in one combination of sides: with the
+/// friction that follows the reaction, and without.
 pub(in super::super) fn openings(
     file: &SystemFile,
     inputs: Inputs<'_>,

@@ -22,7 +22,7 @@ use stickslip::dynamics::{Interrupt, Matrix, Modes, Vector};
 use stickslip::{Error, Options};
 
 pub use errors::FitError;
-use problem::{Problem, Sequence};
+use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
 pub use statistics::RunsTest;
 pub use uncertainty::FitUncertainty;
@@ -213,7 +213,7 @@ const TOLERANCE: f64 = 1e-10;
 /// # Errors
 /// [`FitError`].
 pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
-    let mut problem = Problem::new(request)?;
+    let mut problem = FitProblem::new(request)?;
     let settings = LeastSquaresSettings {
         bounds: problem.unknowns.bounds(),
         loss: request.loss,
@@ -243,7 +243,7 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
 
 /// Distinct minima from some starts, by rising cost.
 fn minima(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     starts: &[Vector],
     settings: &LeastSquaresSettings,
 ) -> Result<Vec<LeastSquares<Sequence>>, FitError> {
@@ -274,7 +274,7 @@ fn minima(
 
 /// Estimates the noise, weighs by it, and describes the minimum.
 fn finished(
-    problem: &mut Problem<'_>,
+    problem: &mut FitProblem<'_>,
     mut best: LeastSquares<Sequence>,
     settings: &LeastSquaresSettings,
     mut work: Work,

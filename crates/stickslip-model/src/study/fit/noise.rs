@@ -3,13 +3,13 @@
 use stickslip::analysis::Loss;
 use stickslip::dynamics::Vector;
 
-use super::problem::Problem;
+use super::problem::FitProblem;
 use super::statistics::spread;
 
 /// The median of the size of a normal deviate.
 const MEDIAN_SIZE: f64 = 0.6745;
 
-impl Problem<'_> {
+impl FitProblem<'_> {
     /// Sets the deviations that are not given to those of the residuals at a point, and returns the
     /// largest relative change. Their order of size is kept where residuals are rounding.
     pub(super) fn estimate_sigmas(&mut self, residuals: &Vector) -> f64 {

@@ -3,7 +3,7 @@
 use stickslip::analysis::Residuals;
 use stickslip::dynamics::{Matrix, Vector};
 
-use super::problem::{Problem, Sequence};
+use super::problem::{FitProblem, Sequence};
 use super::record_run::{Failed, RecordAt, RecordRun};
 use super::statistics::spread;
 use super::unknowns::{Kind, Sought};
@@ -72,7 +72,7 @@ impl Parts {
     }
 }
 
-impl<'r> Problem<'r> {
+impl<'r> FitProblem<'r> {
     /// The problem of records in parts, each of which begins at a state of its own, and the point
     /// that has the present orbit.
     ///
@@ -82,7 +82,7 @@ impl<'r> Problem<'r> {
         &self,
         x: &Vector,
         segments: usize,
-    ) -> Result<(Problem<'r>, Vector), FitError> {
+    ) -> Result<(FitProblem<'r>, Vector), FitError> {
         let mut whole: Vec<f64> = x.iter().copied().collect();
         let mut orbits = Vec::new();
         for (number, run) in self.records.iter().enumerate() {
@@ -128,7 +128,7 @@ impl<'r> Problem<'r> {
                 from = to;
             }
         }
-        let problem = Problem {
+        let problem = FitProblem {
             request: self.request,
             base: self.base.clone(),
             unknowns,

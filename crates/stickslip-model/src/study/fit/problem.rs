@@ -19,7 +19,7 @@ use crate::file::System;
 pub(super) type Sequence = Vec<Vec<Modes>>;
 
 /// A request made ready to run, in whole records or in parts of them.
-pub(super) struct Problem<'r> {
+pub(super) struct FitProblem<'r> {
     pub(super) request: &'r FitRequest,
     /// The system with the parameters of the observables and the values of the file. The systems of
     /// records share its build.
@@ -32,12 +32,12 @@ pub(super) struct Problem<'r> {
     pub(super) sigmas: Vec<f64>,
 }
 
-impl<'r> Problem<'r> {
+impl<'r> FitProblem<'r> {
     pub(super) fn new(request: &'r FitRequest) -> Result<Self, FitError> {
         check(request)?;
         let further = request.extra.iter();
         let further: Vec<(&str, f64)> = further.map(|(name, value)| (&**name, *value)).collect();
-        let mut problem = Problem {
+        let mut problem = FitProblem {
             request,
             base: Arc::new(request.file.with_parameters(&further)?.with(&[])?),
             unknowns: Unknowns::default(),

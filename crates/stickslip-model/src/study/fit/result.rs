@@ -2,7 +2,7 @@
 
 use stickslip::analysis::LeastSquares;
 
-use super::problem::{Problem, Sequence};
+use super::problem::{FitProblem, Sequence};
 use super::statistics::runs_test;
 use super::uncertainty::FitUncertainty;
 use super::work::Work;
@@ -11,7 +11,7 @@ use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
 /// Error of a run over its tolerance, below which signs of residuals say nothing.
 const ROUNDING: f64 = 1e3;
 
-impl Problem<'_> {
+impl FitProblem<'_> {
     pub(super) fn result(
         &self,
         best: &LeastSquares<Sequence>,

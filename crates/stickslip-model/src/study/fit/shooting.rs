@@ -8,7 +8,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::Vector;
 
 use super::parts::PartStart;
-use super::problem::{Problem, Sequence};
+use super::problem::{FitProblem, Sequence};
 use super::record_run::Failed;
 use super::work::Work;
 use super::{Fit, FitError, FitUncertainty, finished};
@@ -38,7 +38,7 @@ const NO_COST: f64 = 1e-12;
 /// The result of multiple shooting from a point: a single orbit, or its parts where none follows
 /// the record, as none can where rounding grows beyond the noise.
 pub(super) fn fit_in_parts(
-    problem: &mut Problem<'_>,
+    problem: &mut FitProblem<'_>,
     x: &Vector,
     settings: &LeastSquaresSettings,
     mut work: Work,
@@ -86,7 +86,7 @@ pub(super) fn fit_in_parts(
 
 /// The point with the start of each part fitted alone, with the parameters held: from the best of
 /// its candidates.
-fn starts_alone(parts: &Problem<'_>, mut x: Vector, work: &mut Work) -> Vector {
+fn starts_alone(parts: &FitProblem<'_>, mut x: Vector, work: &mut Work) -> Vector {
     let nodes = parts.parts.as_ref().map_or(&[][..], |parts| &parts.nodes);
     let most = work.left();
     let alone = nodes
@@ -104,7 +104,12 @@ fn starts_alone(parts: &Problem<'_>, mut x: Vector, work: &mut Work) -> Vector {
 
 /// The best start of a part with the parameters held, and the number of its runs. After those of
 /// the candidates there are at most so many.
-fn start_alone(parts: &Problem<'_>, x: &Vector, node: &PartStart, most: usize) -> (Vector, usize) {
+fn start_alone(
+    parts: &FitProblem<'_>,
+    x: &Vector,
+    node: &PartStart,
+    most: usize,
+) -> (Vector, usize) {
     let states = node.candidates.first().map_or(0, Vector::len);
     let residuals = |start: &Vector| {
         let mut x = x.clone();
@@ -134,7 +139,7 @@ fn start_alone(parts: &Problem<'_>, x: &Vector, node: &PartStart, most: usize) -
 /// The minimum near a point where a mismatch costs its weighted square (relaxed as by Ribeiro et
 /// al., *Automatica* 121 (2020) 109158).
 fn relaxed(
-    parts: &Problem<'_>,
+    parts: &FitProblem<'_>,
     x: Vector,
     weight: f64,
     work: &mut Work,
@@ -168,7 +173,7 @@ fn relaxed(
 /// The minimum of multiple shooting near a point, at which the parts meet (Bock, *Modelling of
 /// Chemical Reaction Systems*, 1981, 102).
 pub(super) fn matched(
-    parts: &Problem<'_>,
+    parts: &FitProblem<'_>,
     x: &Vector,
     work: &mut Work,
 ) -> Result<LeastSquares<Sequence>, FitError> {

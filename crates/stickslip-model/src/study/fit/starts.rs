@@ -4,10 +4,10 @@ use rayon::prelude::*;
 use stickslip::dynamics::Vector;
 
 use super::FitError;
-use super::problem::Problem;
+use super::problem::FitProblem;
 use super::statistics::halton;
 
-impl Problem<'_> {
+impl FitProblem<'_> {
     /// The best of `count` starts that fill the bounds evenly, and the given one, by rising cost.
     pub(super) fn best_starts(
         &self,

@@ -4,12 +4,12 @@ use stickslip::Options;
 use stickslip::analysis::Loss;
 use stickslip::error::readable;
 
-use super::problem::Problem;
+use super::problem::FitProblem;
 use super::*;
 use crate::file::Source;
 
-/// A block on a belt: starts and the start time are formulas of a parameter, the period of the
-/// drive is one, and the record has an offset and a gain.
+/// A block on a belt. Starts and the start time are formulas of a parameter, and so is the period
+/// of the drive. The record has an offset and a gain.
 const BELT: &str = r#"
 name = "case"
 [time]
@@ -96,7 +96,7 @@ fn derivatives_of_residuals_are_differences_of_runs() {
     ];
     for names in names {
         let request = request(names);
-        let problem = Problem::new(&request).unwrap();
+        let problem = FitProblem::new(&request).unwrap();
         let x = problem.unknowns.start();
         let Ok(at) = problem.modelled(&x) else {
             panic!("the run fails");
@@ -140,7 +140,7 @@ fn records_and_parts_share_a_build() {
             record.set = vec![("more".to_owned(), 0.31 + 0.01 * f64::from(k))];
             request.records.push(record);
         }
-        let problem = Problem::new(&request).unwrap();
+        let problem = FitProblem::new(&request).unwrap();
         problem.in_parts(&problem.unknowns.start(), 3).unwrap();
         problem.base.builds()
     };
@@ -167,7 +167,7 @@ fn a_part_without_a_run_is_named() {
     request.records.truncate(1);
     request.records[0].columns.truncate(1);
     request.segments = 3;
-    let problem = Problem::new(&request).unwrap();
+    let problem = FitProblem::new(&request).unwrap();
     let (parts, mut x) = problem.in_parts(&problem.unknowns.start(), 3).unwrap();
     let mut work = Work::of_at_most(20);
     assert!(shooting::matched(&parts, &x, &mut work).is_ok());

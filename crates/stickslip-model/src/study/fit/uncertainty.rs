@@ -6,7 +6,7 @@ use stickslip::math::product;
 use stickslip::nalgebra::{QR, SVD};
 
 use super::Modelled;
-use super::problem::{Problem, Sequence};
+use super::problem::{FitProblem, Sequence};
 use super::statistics::quantile;
 
 /// Error of derivatives over the tolerance of a step: some hundred times that of states, times ten.
@@ -25,7 +25,7 @@ const DOUBTFUL: f64 = 0.3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitUncertainty {
     /// Standard error of each unknown: none on a bound, where the data do not determine it, or for
-    /// [`Self::none`]. none on a bound, where the data do not determine it, or for [`Self::none`].
+    /// [`Self::none`].
     pub std_errors: Vec<Option<f64>>,
     /// Covariances of the unknowns; NaN where there are none.
     pub covariance: Matrix,
@@ -55,7 +55,7 @@ impl FitUncertainty {
         })
     }
 
-    pub(super) fn of(problem: &Problem<'_>, best: &LeastSquares<Sequence>) -> Self {
+    pub(super) fn of(problem: &FitProblem<'_>, best: &LeastSquares<Sequence>) -> Self {
         let count = best.x.len();
         // The starts of parts come last, and are no results.
         let named = problem.unknowns.named();
@@ -183,7 +183,7 @@ impl FitUncertainty {
     /// Looks one standard deviation along each direction for what the linear model misses.
     fn check_around(
         &mut self,
-        problem: &Problem<'_>,
+        problem: &FitProblem<'_>,
         (best, at): (&LeastSquares<Sequence>, &Modelled),
         (inside, directions): (&[usize], &[Vector]),
     ) {
@@ -239,7 +239,7 @@ impl FitUncertainty {
 /// Whether an event at which an observable jumps lies within one standard error of a time of its
 /// data: the residual there jumps.
 fn passes_data(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     at: &Modelled,
     (inside, directions): (&[usize], &[Vector]),
 ) -> bool {
@@ -264,7 +264,7 @@ fn passes_data(
 /// Change of the residuals across the first change of the sequence that bisection finds on the way;
 /// none where a run fails.
 fn jump_on_the_way(
-    problem: &Problem<'_>,
+    problem: &FitProblem<'_>,
     (x, at): (&Vector, &Modelled),
     (step, there): (&Vector, Modelled),
 ) -> Option<f64> {

@@ -75,7 +75,7 @@ impl<'a> Attractors<'a> {
         }
     }
 
-    /// The same with attractors that are known, each of which has the number of its place.
+    /// Adds known attractors, numbered by their order.
     #[must_use]
     pub fn knowing(mut self, attractors: Vec<Attractor>) -> Self {
         self.attractors = attractors;
@@ -215,7 +215,7 @@ impl<'a> Attractors<'a> {
     }
 
     /// Whether the points are the same up to a cyclic shift. A component is compared with the size
-    /// that it has on the orbit: at the points of a section it may be zero, as a velocity is where
+    /// that it has on the orbit. At the points of a section it may be zero, as a velocity is where
     /// the orbit turns back.
     fn have_same_points(&self, one: &Attractor, other: &Attractor) -> bool {
         let states = self.system.states();

@@ -28,7 +28,7 @@ const RETURN_PART: f64 = 0.02;
 /// Longest pattern of strobe points that is sought.
 const MOST_RETURNS: usize = 16;
 
-/// How an edge state is sought.
+/// Settings of a search for an edge state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeSettings {
     /// Distance to which a bisection goes, as a part of the distance of the first two states.
@@ -74,7 +74,7 @@ impl EdgeSettings {
     }
 }
 
-/// What the motion on the boundary of a basin comes to.
+/// Limit of the motion on the boundary of a basin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum EdgeKind {
     /// An equilibrium that is not stable.

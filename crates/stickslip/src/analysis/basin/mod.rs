@@ -53,7 +53,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// So many starts of all.
+    /// Share of `starts` among `all`.
     fn of(starts: usize, all: usize) -> Self {
         let total = all as f64;
         let part = starts as f64 / total;

@@ -13,7 +13,7 @@ use crate::filippov::Options;
 /// Width, as a part of the push, to which a boundary is bisected.
 const PRECISION: f64 = 1e-9;
 
-/// How far rays are searched for the boundary of a basin.
+/// Settings of a search along rays for the boundary of a basin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PushSettings {
     /// Largest push that is tried, in lengths of the direction.
@@ -47,7 +47,7 @@ pub struct Push {
     pub size: f64,
     /// Half of the width to which the boundary was bisected.
     pub uncertainty: f64,
-    /// What larger pushes lead to.
+    /// Attractor that larger pushes lead to.
     pub beyond: Attractor,
 }
 

@@ -84,7 +84,7 @@ pub fn return_time<Kind>(
             at_strobes(system, &start, (period, returns), near, settings, options)
         }
         (AttractorKind::Periodic { period, .. }, None, Some(_)) => {
-            let cycle = Cycle::of(system, reached, *period, tolerance, options)?;
+            let cycle = Chords::of(system, reached, *period, tolerance, options)?;
             let stays = |_: f64, since: f64| since >= *period;
             let distance = |x: &Vector| cycle.distance(x);
             in_time(
@@ -209,12 +209,12 @@ fn state_in(step: &Step, solution: &Solution, t: f64) -> Vector {
 }
 
 /// The curve of a periodic orbit, as chords.
-struct Cycle {
+struct Chords {
     /// Both ends of each chord. None spans a jump.
     chords: Vec<(Vector, Vector)>,
 }
 
-impl Cycle {
+impl Chords {
     fn of(
         system: &dyn Dynamics,
         reached: &Attractor,
@@ -227,7 +227,7 @@ impl Cycle {
             x: reached.x.clone(),
         };
         let mut orbit = system.begin(&at, at.t + period, options, &[])?;
-        let mut cycle = Cycle { chords: Vec::new() };
+        let mut cycle = Chords { chords: Vec::new() };
         let allowed = CHORD_ERROR * tolerance;
         loop {
             match orbit.step()? {

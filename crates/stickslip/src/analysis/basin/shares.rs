@@ -34,8 +34,8 @@ impl SharesAt {
     }
 }
 
-/// The shares of the basins at one value of a parameter, with the attractors identified with those
-/// `before`, at a value nearby: its system and its shares.
+/// Shares of the basins at one value of a parameter. `before` has the system and the shares at a
+/// value nearby, with whose attractors the new ones are identified.
 ///
 /// An attractor goes on from one before if an orbit from the earlier attractor leads to it, and an
 /// orbit from it in the earlier system leads back. Where only one of the two holds, as near a fold,

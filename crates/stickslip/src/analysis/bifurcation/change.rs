@@ -44,7 +44,7 @@ pub(super) fn locate(
     };
     let loops = ends.map(|end| loops(&end.reached, forcing.is_some()));
     let phases = ends.map(|end| &end.reached);
-    let (mut found, mut why_not) = ([Located::default(), Located::default()], None);
+    let (mut found, mut why_not) = ([LocatedChange::default(), LocatedChange::default()], None);
     // The orbit of fewer loops takes fewer steps, and may explain the other one.
     let are_orbits = loops.iter().all(|&loops| loops > 0);
     let order = if are_orbits && loops[1] < loops[0] {
@@ -71,7 +71,7 @@ pub(super) fn locate(
             continue;
         }
         let towards = [ends[from], ends[1 - from]];
-        let located = Located::from(system, towards, forcing, (options, budget));
+        let located = LocatedChange::from(system, towards, forcing, (options, budget));
         // What ends for want of steps looks as if it had no continuation.
         if budget.is_some_and(StepBudget::is_spent) {
             why_not = Some(NotFollowed::Budget);
@@ -177,7 +177,7 @@ fn equilibrium(
     upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
-) -> Option<Located> {
+) -> Option<LocatedChange> {
     let x = extended(&from.reached.points.first()?.x, from.parameter);
     let system = DynamicsRef::Borrowed(system);
     let branch = continue_equilibrium(&system, x, upwards, settings, options).ok()?;
@@ -196,7 +196,7 @@ fn equilibrium(
             },
         },
     };
-    Some(Located {
+    Some(LocatedChange {
         named: Some(named),
         smooth: None,
     })
@@ -210,7 +210,7 @@ fn orbit(
     (period, upwards): (f64, bool),
     settings: &ContinuationSettings,
     (options, budget): (&Options, Option<&StepBudget>),
-) -> Option<Located> {
+) -> Option<LocatedChange> {
     // From a start in slip, the next stick removes its error. With a forcing, the orbit begins at
     // the strobe.
     let mut phases = from.reached.phases.iter();
@@ -232,12 +232,12 @@ fn orbit(
         && let Some((parameter, x)) = continuation.ends_at()
     {
         let x = states(x);
-        return Some(Located {
+        return Some(LocatedChange {
             named: Some(WhatChanges::BoundaryEquilibrium { parameter, x }),
             smooth: None,
         });
     }
-    let mut located = Located::default();
+    let mut located = LocatedChange::default();
     for at in continuation.into_branch(stop).special {
         match at.what {
             CycleBifurcation::Sequence(mut change) => {
@@ -271,7 +271,7 @@ fn states(x: Vector) -> Vector {
 
 /// The change located from one side.
 #[derive(Default)]
-struct Located {
+struct LocatedChange {
     /// Change by a vanishing event function, or by an equilibrium that loses its stability or
     /// reaches the edge of its mode's domain.
     named: Option<WhatChanges>,
@@ -279,7 +279,7 @@ struct Located {
     smooth: Option<WhatChanges>,
 }
 
-impl Located {
+impl LocatedChange {
     /// Locates the change on the way from one value towards another.
     fn from(
         system: &dyn Dynamics,

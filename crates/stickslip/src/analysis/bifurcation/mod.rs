@@ -96,7 +96,7 @@ impl AttractorChange {
 pub enum WhatChanges {
     /// The phases of a periodic orbit change.
     Sequence(SequenceChange),
-    /// An equilibrium loses its stability, in the direction of the sweep or against it: a pair of
+    /// An equilibrium loses its stability, in the direction of the sweep or against it. A pair of
     /// eigenvalues of its field crosses the imaginary axis, or a real one passes through zero.
     Equilibrium {
         /// The parameter.
@@ -398,7 +398,7 @@ fn located(
     Ok(AttractorChange::merged(of_pairs))
 }
 
-/// The state from which a run at the next value of the parameter begins, as in [`sweep`]; `None`
+/// State from which a run at the next value of the parameter begins, as in [`sweep`]. It is `None`
 /// after an escape, a failure, or an end where the future is not unique.
 pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> Option<&'r Vector> {
     match reached.kind {

@@ -12,7 +12,7 @@ use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
     ZERO, along_boundaries, equations, holds, jacobian_of, without_constant,
 };
-use crate::analysis::cycle::{Function, Path, Zero, unit, with_last_digits};
+use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction, unit, with_last_digits};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Vector};
@@ -414,7 +414,7 @@ impl EquilibriumContinuation<'_> {
         line: &EquilibriumTangent,
         (last, next): (&BranchEquilibrium, &BranchEquilibrium),
         length: f64,
-    ) -> Vec<(Zero<BranchEquilibrium>, EquilibriumBifurcation)> {
+    ) -> Vec<(LocatedZero<BranchEquilibrium>, EquilibriumBifurcation)> {
         let path = self.on(line);
         let width = self.units[self.units.len() - 1];
         let heading =
@@ -444,7 +444,7 @@ impl EquilibriumContinuation<'_> {
             .collect();
         type Named<'f> = (
             EquilibriumBifurcation,
-            &'f Function<'f, BranchEquilibrium>,
+            &'f SolutionFunction<'f, BranchEquilibrium>,
             f64,
         );
         let mut functions: Vec<Named<'_>> = vec![(hopf, &rate, ROUNDING * size)];

@@ -4,14 +4,16 @@
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
-use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, SAFETY, Zero, describe};
+use crate::analysis::cycle::{
+    Cycle, LocatedZero, Margin, MarginKind, Outline, Path, SAFETY, describe,
+};
 use crate::analysis::passages::passages;
 use crate::dynamics::{Moment, Vector};
 
 /// A change of the phases.
 pub(super) struct Change {
     /// The orbit at the change.
-    pub at: Zero,
+    pub at: LocatedZero,
     /// The line on which it was located.
     line: TangentLine,
     /// The margin that vanishes there.
@@ -56,7 +58,7 @@ impl Continuation<'_> {
         // behind the first zero. Chosen: far above the shortest step.
         const DECISIVE_STEP: f64 = 1e-5;
         let (last, length) = (&self.branch.last, line.place(next));
-        let mut first: Option<(Zero, Margin)> = None;
+        let mut first: Option<(LocatedZero, Margin)> = None;
         let mut is_undecided = false;
         let violated = next.margins.iter();
         for margin in violated.filter(|margin| margin.is_violated(self.shooting.options)) {
@@ -67,7 +69,7 @@ impl Continuation<'_> {
             let zero = if before.value <= 0.0 {
                 // The last orbit is at the change, to within its error.
                 let slope = (margin.value - before.value) / length;
-                Zero {
+                LocatedZero {
                     s: 0.0,
                     parameter: parameter_of(last),
                     solution: last.clone(),
@@ -102,7 +104,12 @@ impl Continuation<'_> {
 
     /// The orbit behind a change, with the phases that the system itself takes from an orbit
     /// slightly beyond it.
-    fn behind(&self, line: &TangentLine, at: &Zero, step: f64) -> Option<(Cycle, TangentLine)> {
+    fn behind(
+        &self,
+        line: &TangentLine,
+        at: &LocatedZero,
+        step: f64,
+    ) -> Option<(Cycle, TangentLine)> {
         // Where a multiplier is 1 at the change, orbits this near are not determined well enough.
         let mut steps = [1.0, 10.0, 100.0]
             .map(|times| times * STEP_BEYOND * step)
@@ -235,7 +242,7 @@ impl Continuation<'_> {
         let row = last.outline.unit(last.outline.begin.x.len() + number);
         let of_steps = self.error_of_steps(last, &last.outline, (&row, margin.value));
         let ahead = line.heading() * place;
-        let at = Zero {
+        let at = LocatedZero {
             s: 0.0,
             parameter: self.parameter() + ahead,
             solution: last.clone(),
@@ -259,7 +266,12 @@ impl Continuation<'_> {
     }
 
     /// The zero of a margin near the beginning of a line, and the sign of its slope there.
-    fn zero_near(&self, line: &TangentLine, margin: &Margin, step: f64) -> Option<(Zero, f64)> {
+    fn zero_near(
+        &self,
+        line: &TangentLine,
+        margin: &Margin,
+        step: f64,
+    ) -> Option<(LocatedZero, f64)> {
         let value = |one: &Cycle| Some(one.margin_like(margin)?.value);
         let path = line.orbits(&self.shooting);
         let [a, b] = path.bracket((0.0, margin.value), step, &value)?;
@@ -284,7 +296,7 @@ impl Continuation<'_> {
         let parameter = parameter_of(&cycle);
         let uncertainty = self.error_of_steps(&cycle, &guess, (&row, 0.0));
         let behind = self.enter(&swapped, parameter);
-        let at = Zero {
+        let at = LocatedZero {
             s: line.place(&cycle),
             parameter,
             solution: cycle,

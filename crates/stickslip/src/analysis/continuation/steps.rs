@@ -7,7 +7,7 @@ use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
     check_rate, check_start, critical, parameter_of,
 };
-use crate::analysis::cycle::{Cycle, Margin, Outline, Shooting, StepBudget, Zero};
+use crate::analysis::cycle::{Cycle, LocatedZero, Margin, Outline, Shooting, StepBudget};
 use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
@@ -377,7 +377,7 @@ impl<'a> Continuation<'a> {
     pub(super) fn record_special(
         &mut self,
         what: CycleBifurcation,
-        zero: Zero,
+        zero: LocatedZero,
         line: TangentLine,
         margin: Option<Margin>,
     ) {

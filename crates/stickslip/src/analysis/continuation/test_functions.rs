@@ -4,7 +4,9 @@ use super::steps::Continuation;
 use super::tangent_line::{TangentLine, bordered};
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, Function, Path, SAFETY, Shooting, Zero, with_last_digits};
+use crate::analysis::cycle::{
+    Cycle, LocatedZero, Path, SAFETY, Shooting, SolutionFunction, with_last_digits,
+};
 use crate::analysis::lagrange::weights;
 
 impl Continuation<'_> {
@@ -28,7 +30,7 @@ impl Continuation<'_> {
         let border = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
-        let functions: [&Function<'_>; 4] = [&heading, &border, &minus_one, &circle];
+        let functions: [&SolutionFunction<'_>; 4] = [&heading, &border, &minus_one, &circle];
         let mut zeros = Vec::new();
         // In a family there are several tangents everywhere, without a fold or a branch point. At a
         // flip of the half, the branch turns and meets that of the half run through twice.
@@ -102,7 +104,7 @@ impl Continuation<'_> {
 
     /// Zero at which both halves become the same orbit, between the last orbit and another one on a
     /// line: their difference passes through zero.
-    fn flip_of_half(&self, line: &TangentLine, next: &Cycle) -> Option<Zero> {
+    fn flip_of_half(&self, line: &TangentLine, next: &Cycle) -> Option<LocatedZero> {
         // Largest difference at the nearest orbit that can be computed, as a fraction of the
         // difference at the ends. Chosen: Newton's matrix is singular at the flip.
         const LARGEST_LEFT: f64 = 0.2;
@@ -146,8 +148,8 @@ impl Continuation<'_> {
         &self,
         line: &TangentLine,
         [a, b]: [(f64, f64); 2],
-        function: &Function<'_>,
-    ) -> Option<Zero> {
+        function: &SolutionFunction<'_>,
+    ) -> Option<LocatedZero> {
         // Number of tolerances, relative to the parameter or the range. Chosen: in most cases the
         // zero itself is more precise, and the orbits around it need not be computed.
         const PRECISE: f64 = 100.0;
@@ -172,7 +174,7 @@ impl Continuation<'_> {
         let is_better =
             interpolated.uncertainty < direct.uncertainty || direct.uncertainty.is_nan();
         let best = if is_better { interpolated } else { direct };
-        Some(Zero {
+        Some(LocatedZero {
             parameter: best.parameter,
             uncertainty: best.uncertainty,
             solution: direct.solution.clone(),
@@ -188,8 +190,8 @@ impl Continuation<'_> {
         line: &TangentLine,
         length: f64,
         rough: f64,
-        function: &Function<'_>,
-    ) -> Option<Zero> {
+        function: &SolutionFunction<'_>,
+    ) -> Option<LocatedZero> {
         // Distance of the nodes, as a fraction of that between the last two orbits. Chosen:
         // shorter, the closing errors would decide; longer, the degree of the polynomial.
         const SPACING: f64 = 0.05;
@@ -233,7 +235,7 @@ impl Continuation<'_> {
         let effects = (0..nodes.len()).map(|k| effect(k).unwrap_or(f64::NAN));
         let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
-        Some(Zero {
+        Some(LocatedZero {
             s,
             parameter,
             solution: nearest.cycle.clone(),

@@ -142,7 +142,7 @@ impl Assembly<'_> {
 }
 
 /// The equations evaluated at some unknowns.
-pub(super) struct Equations {
+pub(super) struct ShootingEquations {
     /// The residuals, and the largest of them in the unit of the states.
     pub residuals: Vector,
     pub largest: f64,
@@ -169,7 +169,7 @@ impl Shooting<'_> {
         outline: &Outline,
         guess: &Outline,
         options: &Options,
-    ) -> Option<Equations> {
+    ) -> Option<ShootingEquations> {
         let n = outline.begin.x.len();
         let cut = outline.cut.as_ref()?;
         let count = outline.segments.len();
@@ -278,7 +278,7 @@ impl Shooting<'_> {
             changes[(i, to)] += 1.0;
         }
         let sizes = rows.iter().map(|(value, _, size)| (value / size).abs());
-        Some(Equations {
+        Some(ShootingEquations {
             largest: sizes.fold(0.0, f64::max),
             residuals: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
             jacobian,

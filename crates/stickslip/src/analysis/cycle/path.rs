@@ -23,7 +23,7 @@ pub(crate) trait Path {
         &self,
         (mut a, mut at_a): PlaceAndValue,
         step: f64,
-        function: &Function<'_, Self::Solution>,
+        function: &SolutionFunction<'_, Self::Solution>,
     ) -> Option<[PlaceAndValue; 2]> {
         // First step, as a fraction of the given one. Chosen: short beside it, long beside
         // rounding.
@@ -47,7 +47,7 @@ pub(crate) trait Path {
     fn root(
         &self,
         [a, b]: [PlaceAndValue; 2],
-        function: &Function<'_, Self::Solution>,
+        function: &SolutionFunction<'_, Self::Solution>,
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
         let solution = self.on(s)?;
@@ -62,11 +62,11 @@ pub(crate) trait Path {
     fn zero(
         &self,
         [a, b]: [PlaceAndValue; 2],
-        function: &Function<'_, Self::Solution>,
-    ) -> Option<Zero<Self::Solution>> {
+        function: &SolutionFunction<'_, Self::Solution>,
+    ) -> Option<LocatedZero<Self::Solution>> {
         let (s, solution) = self.root([a, b], function)?;
         let uncertainty = self.uncertainty((s, &solution), (b.0 - a.0).abs(), function);
-        Some(Zero {
+        Some(LocatedZero {
             s,
             parameter: self.parameter(&solution),
             solution,
@@ -81,7 +81,7 @@ pub(crate) trait Path {
         &self,
         (s, solution): (f64, &Self::Solution),
         length: f64,
-        function: &Function<'_, Self::Solution>,
+        function: &SolutionFunction<'_, Self::Solution>,
     ) -> Option<f64> {
         // Distance of the places between which the slope is measured, as a fraction of the bracket.
         // Chosen: the curvature then changes the slope by about as much.
@@ -117,10 +117,10 @@ pub(crate) fn with_last_digits(
 }
 
 /// A function of solutions, such as of periodic orbits.
-pub(crate) type Function<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
+pub(crate) type SolutionFunction<'f, S = Cycle> = dyn Fn(&S) -> Option<f64> + 'f;
 
 /// A solution at which a function is zero.
-pub(crate) struct Zero<S = Cycle> {
+pub(crate) struct LocatedZero<S = Cycle> {
     /// Place.
     pub s: f64,
     pub parameter: f64,

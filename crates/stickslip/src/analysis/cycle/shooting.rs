@@ -1,6 +1,6 @@
 //! Newton's iteration for a periodic orbit with a given sequence of modes.
 
-use super::equations::Equations;
+use super::equations::ShootingEquations;
 use super::newton::newton_solution;
 use super::pieces::Piece;
 use super::{
@@ -168,7 +168,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// Residual allowed in the equations, in the unit of the states.
-    fn closes_to(&self, equations: &Equations) -> f64 {
+    fn closes_to(&self, equations: &ShootingEquations) -> f64 {
         let by_tolerance = closeness(self.options);
         by_tolerance.max(equations.rounding.min(LARGEST_ROUNDING * self.extent))
     }
@@ -195,7 +195,7 @@ impl<'a> Shooting<'a> {
     fn cycle(
         &self,
         outline: Outline,
-        equations: Equations,
+        equations: ShootingEquations,
         (guessed, extent): (f64, f64),
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {

@@ -18,8 +18,9 @@ const MERIT_PART: f64 = 0.3;
 /// last residuals are zero: from a point that need not fulfil them.
 ///
 /// Each step is that of Gauss and Newton with linear constraints, which are eliminated (Bock,
-/// *Modelling of Chemical Reaction Systems*, 1981, 102): the shortest step to them, and the best
-/// one in their null space. Both share a trust region (Omojokun's method; Nocedal and Wright,
+/// *Modelling of Chemical Reaction Systems*, 1981, 102). It is the sum of the shortest step to them
+/// and the best one in their null space. Both share a trust region (Omojokun's method; Nocedal and
+/// Wright,
 /// *Numerical Optimization*, 2006, section 18.5). A step is judged by the cost and a multiple of
 /// the size of the constraints, which grows as needed.
 ///

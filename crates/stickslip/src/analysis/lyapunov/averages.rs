@@ -130,7 +130,7 @@ impl Growth {
 ///
 /// The autocovariances of the blocks are added up to the first that is not positive (Geyer, *Stat.
 /// Sci.* 7 (1992) 473). Those of deviations from the sample mean are too small by the variance of
-/// that mean; the sum up to a lag `k` of `n` blocks is divided by `1 − (2k+1)/n + k(k+1)/n²`. The
+/// that mean. The sum up to a lag `k` of `n` blocks is divided by `1 − (2k+1)/n + k(k+1)/n²`. The
 /// error is never below that of independent blocks. Infinite for fewer than two blocks.
 fn std_error(rates: &[f64]) -> f64 {
     let n = rates.len() as f64;

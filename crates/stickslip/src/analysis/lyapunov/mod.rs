@@ -67,9 +67,9 @@ use measurement::Measurement;
 /// Otherwise they have an error that falls as one over the duration.
 ///
 /// A measurement that ends early, by one of the errors below, yields what it has measured, with the
-/// error in [`Spectrum::ended`]. If it ends before two blocks are complete, or where it shrinks to
-/// a point, the first half of most of the time until then is the transient, and the second half is
-/// measured.
+/// error in [`Spectrum::ended`]. It may end before two blocks are complete, or where the motion
+/// shrinks to a point. Then the first half of most of the time until the end is the transient, and
+/// the second half is measured.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Contacts;
 use super::equations::{has_positive_pivots, principal_minor, solve};
-use super::joint::{Affine, Joint, NEGLIGIBLE_FRICTION, rates};
+use super::joint::{ContactFlow, CornerFields, NEGLIGIBLE_FRICTION, rates};
 use crate::system::{Mode, Side, State, components};
 
 /// Largest number of contacts of which all combinations of outcomes are tried. There are three to
@@ -34,7 +34,7 @@ pub(super) type ContactOutcome = Mode;
 /// Every consistent set of outcomes for the holding contacts of `joint`, in their order; `None` if
 /// there are too many to try.
 pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
-    joint: &Joint<'_, S, M>,
+    joint: &ContactFlow<'_, S, M>,
     modes: &[Mode; M],
     t: f64,
     x: &State<N>,
@@ -44,7 +44,7 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
             is_consistent(joint, modes, outcomes, t, x)
         });
     }
-    let problem = Problem::new(joint, &joint.affine(t, components(x)));
+    let problem = RateEquations::new(joint, &joint.affine(t, components(x)));
     if problem.has_one_solution()
         && let Some(consistent) = problem.by_least_index()
     {
@@ -83,7 +83,7 @@ fn all<const M: usize>(
 
 /// Whether the outcomes agree with the rates and weights of a multi-affine combination.
 fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
-    joint: &Joint<'_, S, M>,
+    joint: &ContactFlow<'_, S, M>,
     modes: &[Mode; M],
     outcomes: &[ContactOutcome; M],
     t: f64,
@@ -94,7 +94,7 @@ fn is_consistent<S: Contacts<N, M>, const N: usize, const M: usize>(
     for (index, &contact) in joint.held().iter().enumerate() {
         (modes[contact], at_rest[contact]) = (outcomes[index], true);
     }
-    let joint_then = Joint::new(joint.system, &modes).with_static_friction_at(&at_rest);
+    let joint_then = ContactFlow::new(joint.system, &modes).with_static_friction_at(&at_rest);
     let x = components(x);
     let combination = joint_then.combination(t, x);
     let rates = rates(joint.system, (t, 1.0), x, &combination.field);
@@ -148,15 +148,18 @@ fn is_definite<const M: usize>(matrix: &[[f64; M]; M], count: usize) -> bool {
 }
 
 /// Rates at the contacts, in their order, as affine functions of the weights.
-struct Problem<const M: usize> {
+struct RateEquations<const M: usize> {
     count: usize,
     rates: [f64; M],
     slopes: [[f64; M]; M],
 }
 
-impl<const M: usize> Problem<M> {
-    fn new<S, const N: usize>(joint: &Joint<'_, S, M>, affine: &Affine<f64, N, M>) -> Self {
-        let mut problem = Problem {
+impl<const M: usize> RateEquations<M> {
+    fn new<S, const N: usize>(
+        joint: &ContactFlow<'_, S, M>,
+        affine: &CornerFields<f64, N, M>,
+    ) -> Self {
+        let mut problem = RateEquations {
             count: joint.count,
             rates: [0.0; M],
             slopes: [[0.0; M]; M],

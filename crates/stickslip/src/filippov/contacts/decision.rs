@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::Contacts;
 use super::complementarity::solutions;
 use super::equations::principal_minor;
-use super::joint::{Joint, NEGLIGIBLE_FRICTION, gradients};
+use super::joint::{ContactFlow, NEGLIGIBLE_FRICTION, gradients};
 use crate::error::{ContactFault, Error};
 use crate::filippov::flow::{Flow, flow_path, is_positive};
 use crate::filippov::rules::LieDerivatives;
@@ -74,7 +74,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         for _ in 0..=2 * M {
             let mut orders = [0; M];
             let mut change = None;
-            let joint = Joint::new(self.system, &self.modes);
+            let joint = ContactFlow::new(self.system, &self.modes);
             let shared = joint.hold_each_other(&self.at);
             let joint = joint.with_shared_load(shared);
             let ranges = self.ranges(run, &joint);
@@ -126,7 +126,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
                     *mode = Mode::Stick;
                 }
             }
-            let joint = Joint::new(self.system, &tried);
+            let joint = ContactFlow::new(self.system, &tried);
             run.counters.field_calls += joint.field_calls();
             let (t, x) = (self.at.t, &self.at.x);
             let Some(consistent) = solutions(&joint, &self.modes, t, x) else {
@@ -167,7 +167,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn ranges(
         &self,
         run: &mut StepState<N, M>,
-        joint: &Joint<'_, S, M>,
+        joint: &ContactFlow<'_, S, M>,
     ) -> Option<[[Interval; 4]; M]> {
         // Its weights depend on comparisons, or on an iteration.
         if joint.shares_load() || S::MULTI_AFFINE {
@@ -219,7 +219,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn initial_derivatives(
         &self,
         run: &mut StepState<N, M>,
-        joint: &Joint<'_, S, M>,
+        joint: &ContactFlow<'_, S, M>,
     ) -> InitialDerivatives<M> {
         let Timed { t, x } = self.at;
         // Four passes through the field, and one for the rounding in each direction.
@@ -239,7 +239,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// have, is not considered.
     fn first_motion(
         &self,
-        joint: &Joint<'_, S, M>,
+        joint: &ContactFlow<'_, S, M>,
         initial: &InitialDerivatives<M>,
         i: usize,
     ) -> FirstMotion {
@@ -282,7 +282,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// The corners around the present mode: these contacts on either side, the other holding
     /// contacts below.
-    fn corners_of(&self, contacts: &[usize]) -> Joint<'_, S, M> {
+    fn corners_of(&self, contacts: &[usize]) -> ContactFlow<'_, S, M> {
         let mut modes = self.modes.map(|mode| match mode {
             Mode::Stick => Mode::Slip(Side::Below),
             slip => slip,
@@ -290,7 +290,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         for &i in contacts {
             modes[i] = Mode::Stick;
         }
-        Joint::new(self.system, &modes)
+        ContactFlow::new(self.system, &modes)
     }
 
     /// Whether the side of a contact affects its own rate. It does not for a boundary in position,

@@ -24,7 +24,7 @@ pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 /// rates below and above if it alone holds, else 1. A weight at its limit ends stick, and so does a
 /// strength that vanishes, as at a two-fold.
 #[derive(Clone, Copy)]
-pub(super) struct Joint<'a, S, const M: usize> {
+pub(super) struct ContactFlow<'a, S, const M: usize> {
     pub(super) system: &'a S,
     /// The sides of the slipping contacts; below for the others.
     sides: [Side; M],
@@ -34,7 +34,7 @@ pub(super) struct Joint<'a, S, const M: usize> {
     /// The holding contacts, first in the list.
     held: [usize; M],
     pub(super) count: usize,
-    /// Whether they share their loads; see [`Joint::shared`].
+    /// Whether they share their loads; see [`ContactFlow::shared`].
     shares_load: bool,
 }
 
@@ -57,7 +57,7 @@ impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
 }
 
 /// The fields of the corners around one corner: linear in the weights.
-pub(super) struct Affine<T, const N: usize, const M: usize> {
+pub(super) struct CornerFields<T, const N: usize, const M: usize> {
     /// The field with all holding contacts below.
     base: [T; N],
     /// The difference that each holding contact makes above, in their order.
@@ -89,11 +89,11 @@ pub(super) fn rates<S: Contacts<N, M>, T: Scalar, const N: usize, const M: usize
     rates
 }
 
-impl<'a, S, const M: usize> Joint<'a, S, M> {
+impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     /// The flow of a mode.
     #[inline(always)]
     pub(super) fn new(system: &'a S, modes: &[Mode; M]) -> Self {
-        let mut joint = Joint {
+        let mut joint = ContactFlow {
             system,
             sides: [Side::Below; M],
             holds: [false; M],
@@ -164,12 +164,16 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     }
 
     #[inline(always)]
-    pub(super) fn affine<T: Scalar, const N: usize>(&self, t: T, x: &[T; N]) -> Affine<T, N, M>
+    pub(super) fn affine<T: Scalar, const N: usize>(
+        &self,
+        t: T,
+        x: &[T; N],
+    ) -> CornerFields<T, N, M>
     where
         S: Contacts<N, M>,
     {
         let base = self.corner(|_| false, t, x);
-        let mut affine = Affine {
+        let mut affine = CornerFields {
             base,
             changes: [[T::zero(); N]; M],
             rates: rates(self.system, (t, T::one()), x, &base),
@@ -233,7 +237,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     #[inline(always)]
     fn combined<T: Scalar, const N: usize>(
         &self,
-        affine: Affine<T, N, M>,
+        affine: CornerFields<T, N, M>,
         shares: [T; M],
         strength: T,
     ) -> FieldCombination<T, N, M> {
@@ -259,7 +263,7 @@ impl<'a, S, const M: usize> Joint<'a, S, M> {
     #[inline(never)]
     fn shared<T: Scalar, const N: usize>(
         &self,
-        affine: Affine<T, N, M>,
+        affine: CornerFields<T, N, M>,
     ) -> FieldCombination<T, N, M> {
         let held = self.held();
         // Strength of each contact, by which its column is divided.
@@ -506,7 +510,7 @@ const CONTACT_NUMBERS: [usize; 64] = {
     numbers
 };
 
-impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for Joint<'_, S, M> {
+impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<'_, S, M> {
     const TOGETHER: bool = M > 1;
     const INTERPRETED: bool = S::INTERPRETED;
 

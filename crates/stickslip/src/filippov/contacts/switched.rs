@@ -1,7 +1,7 @@
 //! A system of several contacts as a switched system.
 
 use super::decision::Decision;
-use super::joint::{Affine, Joint, gradients, rates};
+use super::joint::{ContactFlow, CornerFields, gradients, rates};
 use super::{Contacts, Several};
 use crate::dynamics::Modes;
 use crate::error::{ContactFault, Error, Point};
@@ -59,11 +59,11 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     }
 
     fn branch(&self, mode: [Mode; M], at: &Timed<N>) -> bool {
-        let joint = Joint::new(&self.0, &mode);
+        let joint = ContactFlow::new(&self.0, &mode);
         if joint.count < 2 {
             return false;
         }
-        let Affine { rates, slopes, .. } = joint.affine(at.t, components(&at.x));
+        let CornerFields { rates, slopes, .. } = joint.affine(at.t, components(&at.x));
         // A contact that moves is not held, whatever its mode.
         let rounding = STATE_ROUNDING * at.x.amax().max(1.0);
         let is_moved_by_none = |&i: &usize| {
@@ -78,7 +78,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     #[inline(always)]
     fn with_flow<U: UseFlow<N>>(&self, mode: [Mode; M], shared: bool, user: U) -> U::Output {
-        user.use_flow(&Joint::new(&self.0, &mode).with_shared_load(shared))
+        user.use_flow(&ContactFlow::new(&self.0, &mode).with_shared_load(shared))
     }
 
     fn slip_field<T: Scalar>(&self, modes: [Mode; M], t: T, x: &[T; N]) -> Option<[T; N]> {
@@ -167,7 +167,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             && self.with_flow(from, shared, Vanishes(event, &run.options))
         {
             let Timed { t, x } = run.at;
-            let joint = Joint::new(&self.0, &from).with_shared_load(shared);
+            let joint = ContactFlow::new(&self.0, &from).with_shared_load(shared);
             modes[contact] = Mode::Slip(joint.nearest_side(contact, t, &x));
             released = Some(contact);
         }
@@ -182,7 +182,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         };
         let next = decision.mode(run)?;
         if let Next::Mode(to, _) = &next {
-            *branch = Joint::new(&self.0, to).hold_each_other(&run.at);
+            *branch = ContactFlow::new(&self.0, to).hold_each_other(&run.at);
         }
         Ok(next)
     }
@@ -201,7 +201,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         for &i in contacts {
             modes[i] = Mode::Stick;
         }
-        let joint = Joint::new(&self.0, &modes);
+        let joint = ContactFlow::new(&self.0, &modes);
         let onto = |x: State<N>, _| joint.project(joint.held(), at.t, x);
         let at = Timed {
             t: at.t,
@@ -247,7 +247,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
     fn is_one_at_a_time(&self, at: &Transition<N, [Mode; M]>) -> bool {
         // A contact that is released by this one belongs to this event. Another contact at its own
         // zero is a second event at the same time.
-        let joint = Joint::new(&self.0, &at.from);
+        let joint = ContactFlow::new(&self.0, &at.from);
         let comes_of_this = |i: usize| {
             at.from[i] == Mode::Stick && joint.reserve(i, at.t, &at.x) > RESERVE_AT_LIMIT
         };
@@ -314,7 +314,7 @@ impl<S> Several<S> {
         let candidates = match from[contact] {
             Mode::Slip(side) => [Mode::Slip(side.opposite()), Mode::Stick],
             Mode::Stick => {
-                let joint = Joint::new(&self.0, &from).with_shared_load(true);
+                let joint = ContactFlow::new(&self.0, &from).with_shared_load(true);
                 [Mode::Slip(joint.nearest_side(contact, t, &x)); 2]
             }
         };
@@ -322,7 +322,7 @@ impl<S> Several<S> {
             let mut to = from;
             to[contact] = mode;
             let shared = self.branch(to, &run.at);
-            let joint = Joint::new(&self.0, &to).with_shared_load(shared);
+            let joint = ContactFlow::new(&self.0, &to).with_shared_load(shared);
             let leads_there = match mode {
                 Mode::Slip(side) => {
                     let field = joint.field(t, components(&x));
@@ -344,7 +344,7 @@ impl<S> Several<S> {
     where
         S: Contacts<N, M>,
     {
-        let joint = Joint::new(&self.0, modes);
+        let joint = ContactFlow::new(&self.0, modes);
         let Timed { t, x } = run.at;
         let heights = self.0.boundaries(t, components(&x));
         let rates = rates(

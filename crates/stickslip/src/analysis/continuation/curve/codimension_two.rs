@@ -85,7 +85,7 @@ pub struct CurveSpecialPoint {
 
 /// A function that vanishes at special orbits of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Test {
+pub(super) enum CodimensionTwoTest {
     /// A multiplier is 1, besides what the curve demands.
     Fold,
     /// A multiplier is −1, besides what the curve demands.
@@ -109,40 +109,53 @@ impl CurveKind {
     }
 
     /// The functions that are evaluated along the curve.
-    pub(super) fn tests(self) -> &'static [Test] {
+    pub(super) fn tests(self) -> &'static [CodimensionTwoTest] {
         match self {
-            CurveKind::Fold | CurveKind::Change(_) => &[Test::Fold, Test::Flip, Test::Torus],
-            CurveKind::Flip => &[Test::Fold, Test::Flip, Test::Torus, Test::Coefficient],
+            CurveKind::Fold | CurveKind::Change(_) => &[
+                CodimensionTwoTest::Fold,
+                CodimensionTwoTest::Flip,
+                CodimensionTwoTest::Torus,
+            ],
+            CurveKind::Flip => &[
+                CodimensionTwoTest::Fold,
+                CodimensionTwoTest::Flip,
+                CodimensionTwoTest::Torus,
+                CodimensionTwoTest::Coefficient,
+            ],
             CurveKind::Torus => &[
-                Test::Fold,
-                Test::Flip,
-                Test::Sum(-1.0),
-                Test::Sum(0.0),
-                Test::Coefficient,
+                CodimensionTwoTest::Fold,
+                CodimensionTwoTest::Flip,
+                CodimensionTwoTest::Sum(-1.0),
+                CodimensionTwoTest::Sum(0.0),
+                CodimensionTwoTest::Coefficient,
             ],
         }
     }
 
     /// The name of a zero of a function.
-    pub(super) fn named(self, test: Test) -> CurveBifurcation {
+    pub(super) fn named(self, test: CodimensionTwoTest) -> CurveBifurcation {
         match (self, test) {
-            (CurveKind::Change(change), Test::Fold) => CurveBifurcation::FoldAtChange(change),
-            (CurveKind::Change(change), Test::Flip) => CurveBifurcation::FlipAtChange(change),
-            (CurveKind::Change(change), _) => CurveBifurcation::NeimarkSackerAtChange(change),
-            (CurveKind::Fold, Test::Fold) => CurveBifurcation::Resonance(1),
-            (CurveKind::Flip, Test::Flip) => CurveBifurcation::Resonance(2),
-            (CurveKind::Fold, Test::Flip) | (CurveKind::Flip, Test::Fold) => {
-                CurveBifurcation::FoldFlip
+            (CurveKind::Change(change), CodimensionTwoTest::Fold) => {
+                CurveBifurcation::FoldAtChange(change)
             }
-            (CurveKind::Torus, Test::Fold) | (CurveKind::Fold, _) => {
+            (CurveKind::Change(change), CodimensionTwoTest::Flip) => {
+                CurveBifurcation::FlipAtChange(change)
+            }
+            (CurveKind::Change(change), _) => CurveBifurcation::NeimarkSackerAtChange(change),
+            (CurveKind::Fold, CodimensionTwoTest::Fold) => CurveBifurcation::Resonance(1),
+            (CurveKind::Flip, CodimensionTwoTest::Flip) => CurveBifurcation::Resonance(2),
+            (CurveKind::Fold, CodimensionTwoTest::Flip)
+            | (CurveKind::Flip, CodimensionTwoTest::Fold) => CurveBifurcation::FoldFlip,
+            (CurveKind::Torus, CodimensionTwoTest::Fold) | (CurveKind::Fold, _) => {
                 CurveBifurcation::FoldNeimarkSacker
             }
-            (CurveKind::Torus, Test::Flip) | (CurveKind::Flip, Test::Torus | Test::Sum(_)) => {
+            (CurveKind::Torus, CodimensionTwoTest::Flip)
+            | (CurveKind::Flip, CodimensionTwoTest::Torus | CodimensionTwoTest::Sum(_)) => {
                 CurveBifurcation::FlipNeimarkSacker
             }
-            (CurveKind::Flip, Test::Coefficient) => CurveBifurcation::GeneralizedFlip,
-            (CurveKind::Torus, Test::Coefficient) => CurveBifurcation::Chenciner,
-            (CurveKind::Torus, Test::Sum(0.0)) => CurveBifurcation::Resonance(4),
+            (CurveKind::Flip, CodimensionTwoTest::Coefficient) => CurveBifurcation::GeneralizedFlip,
+            (CurveKind::Torus, CodimensionTwoTest::Coefficient) => CurveBifurcation::Chenciner,
+            (CurveKind::Torus, CodimensionTwoTest::Sum(0.0)) => CurveBifurcation::Resonance(4),
             (CurveKind::Torus, _) => CurveBifurcation::Resonance(3),
         }
     }

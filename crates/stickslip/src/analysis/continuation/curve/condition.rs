@@ -47,14 +47,14 @@ impl TestFunction {
 
 /// Condition that all orbits of a curve meet.
 #[derive(Clone)]
-pub(super) enum Condition {
+pub(super) enum CurveCondition {
     /// A segment has no duration: two contacts switch at once.
     NoDuration(usize),
     /// A function vanishes. It was located on this line across the curve.
     Zero(TestFunction, TangentLine),
 }
 
-impl Condition {
+impl CurveCondition {
     pub(super) fn of(junction: &Junction) -> Option<Self> {
         let function = match (&junction.at.what, &junction.margin) {
             (CycleBifurcation::Sequence(_), Some(margin))
@@ -62,7 +62,7 @@ impl Condition {
             {
                 // Of one contact, a segment without duration determines nothing.
                 margin.other?;
-                return Some(Condition::NoDuration(margin.part));
+                return Some(CurveCondition::NoDuration(margin.part));
             }
             (CycleBifurcation::Sequence(_), Some(margin)) => {
                 TestFunction::Margin(Box::new(margin.clone()))
@@ -74,14 +74,16 @@ impl Condition {
             }
             (CycleBifurcation::BranchPoint | CycleBifurcation::Sequence(_), _) => return None,
         };
-        Some(Condition::Zero(function, junction.line.clone()))
+        Some(CurveCondition::Zero(function, junction.line.clone()))
     }
 
     /// Whether the orbits arrive at a boundary, or at the function of a jump, without speed. Their
     /// derivatives are unbounded.
     pub(super) fn is_arrival(&self) -> bool {
         match self {
-            Condition::Zero(TestFunction::Margin(margin), _) => margin.kind == MarginKind::Arrival,
+            CurveCondition::Zero(TestFunction::Margin(margin), _) => {
+                margin.kind == MarginKind::Arrival
+            }
             _ => false,
         }
     }
@@ -89,7 +91,7 @@ impl Condition {
     /// The sum of the pair of multipliers with the product 1, on a Neimark–Sacker curve.
     pub(super) fn sum_of_pair(&self) -> Option<f64> {
         match self {
-            Condition::Zero(TestFunction::Pair(sum), _) => Some(*sum),
+            CurveCondition::Zero(TestFunction::Pair(sum), _) => Some(*sum),
             _ => None,
         }
     }
@@ -101,10 +103,10 @@ impl CurveContinuation<'_> {
     /// so many steps.
     pub(super) fn solve(
         &self,
-        (condition, steps): (&Condition, usize),
+        (condition, steps): (&CurveCondition, usize),
         guess: &Outline,
         plane: (&Vector, f64),
-    ) -> Option<(Cycle, Condition)> {
+    ) -> Option<(Cycle, CurveCondition)> {
         // Orbits that a solution may compute. Chosen: far more than it does, also by half steps.
         // Where there is none, Newton's iteration may come to states from which an orbit has
         // millions of steps.
@@ -112,7 +114,7 @@ impl CurveContinuation<'_> {
         let cost = 1 + StepBudget::with_tangents(guess.begin.x.len());
         let budget = StepBudget::of(MOST_ORBITS * cost * steps as u64);
         match condition {
-            Condition::NoDuration(number) => {
+            CurveCondition::NoDuration(number) => {
                 let duration = guess.unit(guess.begin.x.len() + number);
                 let shooting = Shooting {
                     plane: Some((&duration, 0.0)),
@@ -121,7 +123,7 @@ impl CurveContinuation<'_> {
                 };
                 Some((shooting.solve(guess, Some(plane))?, condition.clone()))
             }
-            Condition::Zero(function, line) => {
+            CurveCondition::Zero(function, line) => {
                 let shooting = Shooting {
                     plane: Some(plane),
                     budget: Some(&budget),
@@ -136,7 +138,7 @@ impl CurveContinuation<'_> {
                 let (s, found) = path.root(ends, &value)?;
                 let function = function.clone().near(&found, &shooting);
                 let is_near = s.abs() <= self.settings.step;
-                is_near.then_some((found, Condition::Zero(function, line)))
+                is_near.then_some((found, CurveCondition::Zero(function, line)))
             }
         }
     }

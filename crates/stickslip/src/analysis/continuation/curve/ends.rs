@@ -2,7 +2,7 @@
 //! become one orbit.
 
 use super::super::ends::{SAME_ORBIT, offset_from};
-use super::steps::{End, Position};
+use super::steps::{CurveEnd, CurvePosition};
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters, point};
 use crate::analysis::cycle::{Cycle, SAFETY, closeness, with_last_digits};
 use crate::analysis::lagrange::weights;
@@ -42,7 +42,12 @@ impl CurveContinuation<'_> {
 
     /// The end of the curve at an end of a range, beyond which the next orbit lies. `None` where no
     /// orbit was found there.
-    pub(super) fn end_of_range(&self, at: &Position, next: &Position, step: f64) -> Option<End> {
+    pub(super) fn end_of_range(
+        &self,
+        at: &CurvePosition,
+        next: &CurvePosition,
+        step: f64,
+    ) -> Option<CurveEnd> {
         let (place, width, end) = self.passed_end(&next.cycle)?;
         let value = |cycle: &Cycle| cycle.outline.begin.x[place];
         let (before, beyond) = (value(&at.cycle), value(&next.cycle));
@@ -62,7 +67,7 @@ impl CurveContinuation<'_> {
         let mut last = point(&last);
         last.x[place] = end;
         last.parameters[place - self.place] = end;
-        Some(End {
+        Some(CurveEnd {
             s,
             stop: CurveStop::Range,
             last,
@@ -75,7 +80,7 @@ impl CurveContinuation<'_> {
     /// any phase.
     fn toward(
         &self,
-        at: &Position,
+        at: &CurvePosition,
         beyond: (f64, f64),
         (place, end, width): (usize, f64, f64),
     ) -> Option<Cycle> {
@@ -101,7 +106,12 @@ impl CurveContinuation<'_> {
     }
 
     /// The end of a closed curve: between two of its orbits it passes the first one.
-    pub(super) fn closes(&self, at: &Position, next: &Position, first: &Cycle) -> Option<End> {
+    pub(super) fn closes(
+        &self,
+        at: &CurvePosition,
+        next: &CurvePosition,
+        first: &Cycle,
+    ) -> Option<CurveEnd> {
         // Distance by which a straight line between both orbits may miss it, as a fraction of its
         // length. Chosen: the curve bends little in a step.
         const LARGEST_MISS: f64 = 0.1;
@@ -131,7 +141,7 @@ impl CurveContinuation<'_> {
         let is_at = is_at.fold(true, |all, (a, b)| all && (a - b).abs() <= near);
         let off = offset_from(&self.shooting, &first.anchor, &found)?;
         let is_same = off.rows(0, self.shooting.states).norm() <= near * first.extent;
-        (is_at && is_same).then(|| End {
+        (is_at && is_same).then(|| CurveEnd {
             s,
             stop: CurveStop::Closed,
             last: point(first),
@@ -146,10 +156,10 @@ impl CurveContinuation<'_> {
     /// singular there. So they are extrapolated from orbits farther away.
     pub(super) fn flip_of_half(
         &self,
-        at: &Position,
-        next: &Position,
+        at: &CurvePosition,
+        next: &CurvePosition,
         orbits: usize,
-    ) -> Option<End> {
+    ) -> Option<CurveEnd> {
         // Distance of the nodes, as a fraction of the step. Chosen: shorter, the closing errors
         // would decide; longer, the degree of the polynomial.
         const SPACING: f64 = 0.15;
@@ -218,7 +228,7 @@ impl CurveContinuation<'_> {
             x,
             period: at_zero(&even, &|one| one.period),
         };
-        Some(End {
+        Some(CurveEnd {
             s,
             stop: CurveStop::Flip,
             special: Some(CurveSpecialPoint {

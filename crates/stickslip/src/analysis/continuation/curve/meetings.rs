@@ -1,9 +1,9 @@
 //! Ends of curves where another condition is met: a resonance, or a change of the phases.
 
 use super::codimension_two::CurveBifurcation;
-use super::condition::Condition;
-use super::special::{Located, certain};
-use super::steps::{End, Position};
+use super::condition::CurveCondition;
+use super::special::{LocatedOrbit, certain};
+use super::steps::{CurveEnd, CurvePosition};
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters, point};
 use crate::analysis::cycle::{Cycle, Margin, MarginKind, describe, with_last_digits};
 use crate::analysis::lagrange::weights;
@@ -11,19 +11,24 @@ use crate::math;
 
 impl CurveContinuation<'_> {
     /// The end of a Neimark–Sacker curve where its pair of multipliers becomes real.
-    pub(super) fn resonance(&self, at: &Position, next: &Position, orbits: usize) -> Option<End> {
+    pub(super) fn resonance(
+        &self,
+        at: &CurvePosition,
+        next: &CurvePosition,
+        orbits: usize,
+    ) -> Option<CurveEnd> {
         let (before, behind) = (at.condition.sum_of_pair()?, next.condition.sum_of_pair()?);
         let (order, sum) = [(1, 2.0), (2, -2.0)]
             .into_iter()
             .find(|(_, sum)| (before - sum) * (behind - sum) < 0.0)?;
-        let function = |_: &Cycle, condition: &Condition| Some(condition.sum_of_pair()? - sum);
+        let function = |_: &Cycle, condition: &CurveCondition| Some(condition.sum_of_pair()? - sum);
         let ends = [
             (0.0, before - sum),
             (at.line.place(&next.cycle), behind - sum),
         ];
         let located = self.located(at, ends, [&function, &certain])?;
         let what = CurveBifurcation::Resonance(order);
-        Some(End {
+        Some(CurveEnd {
             s: located.s,
             stop: CurveStop::Resonance,
             last: point(&located.cycle),
@@ -35,17 +40,18 @@ impl CurveContinuation<'_> {
     /// the step is too long to locate it.
     pub(super) fn change(
         &self,
-        at: &Position,
-        next: &Position,
+        at: &CurvePosition,
+        next: &CurvePosition,
         orbits: usize,
-    ) -> Result<Option<End>, ()> {
+    ) -> Result<Option<CurveEnd>, ()> {
         let length = at.line.place(&next.cycle);
         let violated = next.cycle.margins.iter();
         let violated = violated.filter(|margin| margin.is_violated(self.shooting.options));
-        let mut first: Option<End> = None;
+        let mut first: Option<CurveEnd> = None;
         for margin in violated {
             let before = at.cycle.margin_like(margin).ok_or(())?;
-            let function = |cycle: &Cycle, _: &Condition| Some(cycle.margin_like(margin)?.value);
+            let function =
+                |cycle: &Cycle, _: &CurveCondition| Some(cycle.margin_like(margin)?.value);
             let ends = [(0.0, before.value), (length, margin.value)];
             if before.value <= 0.0 {
                 return Err(());
@@ -60,7 +66,7 @@ impl CurveContinuation<'_> {
                     [Vec::new(), Vec::new()],
                 );
                 let what = self.kind.at_change(named.bifurcation);
-                first = Some(End {
+                first = Some(CurveEnd {
                     s: located.s,
                     stop: CurveStop::AnotherChange,
                     last: point(&located.cycle),
@@ -74,7 +80,7 @@ impl CurveContinuation<'_> {
     /// The end of the curve where the orbits arrive ever more slowly at a boundary, or at the
     /// function of a jump. Their derivatives grow without bound, and no orbit next to the end can
     /// be computed. The parameters are extrapolated to the speed zero by a polynomial.
-    pub(super) fn arrival(&self, at: &Position, orbits: usize) -> Option<End> {
+    pub(super) fn arrival(&self, at: &CurvePosition, orbits: usize) -> Option<CurveEnd> {
         const NODES: usize = 5;
         // Largest relative speed at the farthest node, and largest uncertainty as a fraction of a
         // range. Chosen: far from a graze, neither is met.
@@ -132,7 +138,7 @@ impl CurveContinuation<'_> {
             x: at.cycle.anchor.x.clone(),
             period: at.cycle.period,
         };
-        Some(End {
+        Some(CurveEnd {
             s: 0.0,
             stop: CurveStop::AnotherChange,
             last: CurvePoint {
@@ -144,7 +150,12 @@ impl CurveContinuation<'_> {
     }
 
     /// The end of the curve where a segment between two contacts vanishes before a place.
-    pub(super) fn vanishing(&self, at: &Position, step: f64, orbits: usize) -> Option<End> {
+    pub(super) fn vanishing(
+        &self,
+        at: &CurvePosition,
+        step: f64,
+        orbits: usize,
+    ) -> Option<CurveEnd> {
         let &(number, place) = at.line.vanishing(step).first()?;
         let is_its = |kind: MarginKind, part: usize| kind == MarginKind::Duration && part == number;
         let margins = at.cycle.margins.iter();
@@ -169,12 +180,12 @@ impl CurveContinuation<'_> {
         let what = self.kind.at_change(named.bifurcation);
         let last = point(&cycle);
         let uncertainties = self.uncertainties([&cycle, &finer], |_| 0.0);
-        let located = Located {
+        let located = LocatedOrbit {
             s,
             cycle,
             uncertainties,
         };
-        Some(End {
+        Some(CurveEnd {
             s,
             stop: CurveStop::AnotherChange,
             last,

@@ -15,7 +15,7 @@ use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
-use condition::Condition;
+use condition::CurveCondition;
 use steps::Way;
 
 /// An orbit on a curve of special ones.
@@ -108,7 +108,7 @@ pub fn continue_change<Kind>(
     };
     let junction = continuation.seek(|_| true, number);
     let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
-    let condition = Condition::of(&junction);
+    let condition = CurveCondition::of(&junction);
     let condition = condition.ok_or(not_found("a curve of the special orbit"))?;
     let Junction { at, cycle, .. } = junction;
     let curve = CurveContinuation {

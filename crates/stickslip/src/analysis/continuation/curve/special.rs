@@ -1,9 +1,11 @@
 //! Special orbits on curves: bifurcations of codimension two.
 
 use super::super::critical;
-use super::codimension_two::{CurveBifurcation, CurveSpecialPoint, Test, angle_of, others};
-use super::condition::Condition;
-use super::steps::Position;
+use super::codimension_two::{
+    CodimensionTwoTest, CurveBifurcation, CurveSpecialPoint, angle_of, others,
+};
+use super::condition::CurveCondition;
+use super::steps::CurvePosition;
 use super::{CurveContinuation, CurveKind, parameters};
 use crate::analysis::critical::{RESOLVED_PLACE, zero_between};
 use crate::analysis::cycle::{Cycle, SAFETY, closeness, with_last_digits};
@@ -12,7 +14,7 @@ use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
 use crate::dynamics::Vector;
 
 /// A special orbit that was located, and its place on the line.
-pub(super) struct Located {
+pub(super) struct LocatedOrbit {
     pub s: f64,
     pub cycle: Cycle,
     pub uncertainties: [f64; 2],
@@ -23,19 +25,19 @@ pub(super) struct Located {
 const KNOWN_SIGN: f64 = 10.0;
 
 /// A function of the orbits of a curve.
-type OfCurve<'f> = dyn Fn(&Cycle, &Condition) -> Option<f64> + 'f;
+type OfCurve<'f> = dyn Fn(&Cycle, &CurveCondition) -> Option<f64> + 'f;
 
 /// The uncertainty of a function that has none besides its rounding.
-pub(super) fn certain(_: &Cycle, _: &Condition) -> Option<f64> {
+pub(super) fn certain(_: &Cycle, _: &CurveCondition) -> Option<f64> {
     Some(0.0)
 }
 
 impl CurveContinuation<'_> {
     /// The functions at an orbit of the curve.
-    pub(super) fn values(&self, cycle: &Cycle, condition: &Condition) -> Vec<Option<f64>> {
-        let value = |test: &Test| match test {
+    pub(super) fn values(&self, cycle: &Cycle, condition: &CurveCondition) -> Vec<Option<f64>> {
+        let value = |test: &CodimensionTwoTest| match test {
             // Only a sign that is known tells anything.
-            Test::Coefficient => {
+            CodimensionTwoTest::Coefficient => {
                 let form = self.normal_form(cycle, condition)?;
                 let is_known = form.coefficient.abs() > KNOWN_SIGN * form.uncertainty;
                 is_known.then_some(form.coefficient)
@@ -46,7 +48,7 @@ impl CurveContinuation<'_> {
     }
 
     /// The normal form at an orbit of a curve of flips or of Neimark–Sacker bifurcations.
-    fn normal_form(&self, cycle: &Cycle, condition: &Condition) -> Option<NormalForm> {
+    fn normal_form(&self, cycle: &Cycle, condition: &CurveCondition) -> Option<NormalForm> {
         let of = match condition.sum_of_pair() {
             Some(sum) => CriticalPair::Angle(angle_of(sum)?),
             None => CriticalPair::Flip,
@@ -54,32 +56,41 @@ impl CurveContinuation<'_> {
         ReturnMap::of(cycle, &self.shooting)?.normal_form(of, &[1.0])
     }
 
-    fn value(&self, test: Test, cycle: &Cycle, condition: &Condition) -> Option<f64> {
+    fn value(
+        &self,
+        test: CodimensionTwoTest,
+        cycle: &Cycle,
+        condition: &CurveCondition,
+    ) -> Option<f64> {
         if condition.is_arrival() {
             return None;
         }
         let of = || critical(cycle, &self.shooting);
         match (test, self.kind) {
-            (Test::Fold, CurveKind::Fold) => Some(others(&of().multipliers, 1.0)),
-            (Test::Flip, CurveKind::Flip) => Some(others(&of().multipliers, -1.0)),
+            (CodimensionTwoTest::Fold, CurveKind::Fold) => Some(others(&of().multipliers, 1.0)),
+            (CodimensionTwoTest::Flip, CurveKind::Flip) => Some(others(&of().multipliers, -1.0)),
             // The product of the other multipliers, less 1 each, does not see the pair.
-            (Test::Fold, CurveKind::Torus) => Some(of().one / (2.0 - condition.sum_of_pair()?)),
-            (Test::Flip, CurveKind::Torus) => {
+            (CodimensionTwoTest::Fold, CurveKind::Torus) => {
+                Some(of().one / (2.0 - condition.sum_of_pair()?))
+            }
+            (CodimensionTwoTest::Flip, CurveKind::Torus) => {
                 Some(of().minus_one / (2.0 + condition.sum_of_pair()?))
             }
-            (Test::Fold, _) => Some(of().one),
-            (Test::Flip, _) => Some(of().minus_one),
-            (Test::Torus, _) => of().circle,
-            (Test::Sum(sum), _) => Some(condition.sum_of_pair()? - sum),
-            (Test::Coefficient, _) => Some(self.normal_form(cycle, condition)?.coefficient),
+            (CodimensionTwoTest::Fold, _) => Some(of().one),
+            (CodimensionTwoTest::Flip, _) => Some(of().minus_one),
+            (CodimensionTwoTest::Torus, _) => of().circle,
+            (CodimensionTwoTest::Sum(sum), _) => Some(condition.sum_of_pair()? - sum),
+            (CodimensionTwoTest::Coefficient, _) => {
+                Some(self.normal_form(cycle, condition)?.coefficient)
+            }
         }
     }
 
     /// The special orbits between two orbits of the curve, in their order, with their places.
     pub(super) fn special(
         &self,
-        at: &Position,
-        next: &Position,
+        at: &CurvePosition,
+        next: &CurvePosition,
         orbits: usize,
     ) -> Vec<(f64, CurveSpecialPoint)> {
         let length = at.line.place(&next.cycle);
@@ -92,9 +103,11 @@ impl CurveContinuation<'_> {
                 continue;
             }
             let function =
-                |cycle: &Cycle, condition: &Condition| self.value(test, cycle, condition);
-            let doubt = |cycle: &Cycle, condition: &Condition| match test {
-                Test::Coefficient => Some(self.normal_form(cycle, condition)?.uncertainty),
+                |cycle: &Cycle, condition: &CurveCondition| self.value(test, cycle, condition);
+            let doubt = |cycle: &Cycle, condition: &CurveCondition| match test {
+                CodimensionTwoTest::Coefficient => {
+                    Some(self.normal_form(cycle, condition)?.uncertainty)
+                }
                 _ => Some(0.0),
             };
             let located = self.located(at, [(0.0, a), (length, b)], [&function, &doubt]);
@@ -116,7 +129,7 @@ impl CurveContinuation<'_> {
 
     pub(super) fn described(
         &self,
-        located: &Located,
+        located: &LocatedOrbit,
         what: CurveBifurcation,
         behind: usize,
     ) -> CurveSpecialPoint {
@@ -144,10 +157,10 @@ impl CurveContinuation<'_> {
     /// on a line.
     pub(super) fn located(
         &self,
-        at: &Position,
+        at: &CurvePosition,
         [a, b]: [(f64, f64); 2],
         [function, doubt]: [&OfCurve<'_>; 2],
-    ) -> Option<Located> {
+    ) -> Option<LocatedOrbit> {
         // Value at a zero, as a fraction of those at the ends. Chosen, as for branches: at a jump
         // of the function it is about 1.
         const AT_ZERO: f64 = 1e-3;
@@ -196,7 +209,7 @@ impl CurveContinuation<'_> {
                 })
             }
         };
-        Some(Located {
+        Some(LocatedOrbit {
             s,
             cycle,
             uncertainties,
@@ -225,7 +238,7 @@ impl CurveContinuation<'_> {
     /// before it and the next.
     ///
     /// There the parameters are stationary along the curve. They are interpolated by a polynomial.
-    fn cusp(&self, at: &Position, next: &Position, length: f64) -> Option<Located> {
+    fn cusp(&self, at: &CurvePosition, next: &CurvePosition, length: f64) -> Option<LocatedOrbit> {
         const NODES_EACH_SIDE: i32 = 4;
         // Rate of the parameters at a cusp, as a fraction of that at the nodes. Chosen: where the
         // curve only turns, it is about 1.
@@ -273,7 +286,7 @@ impl CurveContinuation<'_> {
         // rate that is left.
         let left = size(s) * apart;
         let uncertainties = self.uncertainties([&cycle, &finer], |k| left * widths[k]);
-        Some(Located {
+        Some(LocatedOrbit {
             s,
             cycle,
             uncertainties,

@@ -2,7 +2,7 @@
 
 use super::super::steps::SHORTEST_STEP;
 use super::super::tangent_line::TangentLine;
-use super::condition::Condition;
+use super::condition::CurveCondition;
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, point};
 use crate::analysis::cycle::{Cycle, Outline};
 
@@ -26,7 +26,7 @@ impl Way {
     }
 
     /// Ends it.
-    fn end(&mut self, end: End) {
+    fn end(&mut self, end: CurveEnd) {
         self.points.push(end.last);
         self.special.extend(end.special);
         self.stop = end.stop;
@@ -34,25 +34,25 @@ impl Way {
 }
 
 /// An orbit of the curve, and how the curve goes on from there.
-pub(super) struct Position {
+pub(super) struct CurvePosition {
     pub cycle: Cycle,
     /// The condition near this orbit.
-    pub condition: Condition,
+    pub condition: CurveCondition,
     /// The line on which the next orbit is sought.
     pub line: TangentLine,
     /// The functions whose zeros are special orbits.
     pub values: Vec<Option<f64>>,
 }
 
-impl Position {
+impl CurvePosition {
     /// The condition, and the number of steps of the orbit.
-    pub fn known(&self) -> (&Condition, usize) {
+    pub fn known(&self) -> (&CurveCondition, usize) {
         (&self.condition, self.cycle.steps)
     }
 }
 
 /// An end of the curve.
-pub(super) struct End {
+pub(super) struct CurveEnd {
     /// Place on the line.
     pub s: f64,
     pub stop: CurveStop,
@@ -64,7 +64,7 @@ pub(super) struct End {
 
 impl CurveContinuation<'_> {
     /// The orbit of the curve in the plane across a line at a place.
-    pub(super) fn on(&self, at: &Position, s: f64) -> Option<(Cycle, Condition)> {
+    pub(super) fn on(&self, at: &CurvePosition, s: f64) -> Option<(Cycle, CurveCondition)> {
         let (guess, value) = at.line.plane(&self.shooting, s)?;
         self.solve(at.known(), &guess, (at.line.across(), value))
     }
@@ -76,7 +76,12 @@ impl CurveContinuation<'_> {
     }
 
     /// The line on which the curve leaves its first orbit in one direction.
-    fn first_line(&self, first: &Cycle, condition: &Condition, sign: f64) -> Option<TangentLine> {
+    fn first_line(
+        &self,
+        first: &Cycle,
+        condition: &CurveCondition,
+        sign: f64,
+    ) -> Option<TangentLine> {
         // Length of a first, short step by the other parameter, as a fraction of the longest one.
         // Chosen: over it the curve is straight, and the orbits differ by more than rounding.
         const FIRST_STEP: f64 = 1e-2;
@@ -91,10 +96,10 @@ impl CurveContinuation<'_> {
     }
 
     /// The next orbit, if the curve bends little on the way to it.
-    fn next(&self, at: &Position, step: f64) -> Option<Position> {
+    fn next(&self, at: &CurvePosition, step: f64) -> Option<CurvePosition> {
         let (cycle, condition) = self.on(at, step)?;
         let line = self.secant(&at.line.from, &cycle)?;
-        at.line.bends_little(&line).then(|| Position {
+        at.line.bends_little(&line).then(|| CurvePosition {
             values: self.values(&cycle, &condition),
             cycle,
             condition,
@@ -102,12 +107,12 @@ impl CurveContinuation<'_> {
         })
     }
 
-    pub(super) fn follow(&self, first: &Cycle, condition: Condition, sign: f64) -> Way {
+    pub(super) fn follow(&self, first: &Cycle, condition: CurveCondition, sign: f64) -> Way {
         let mut way = Way::empty(CurveStop::NoConvergence);
         let Some(line) = self.first_line(first, &condition, sign) else {
             return way;
         };
-        let mut at = Position {
+        let mut at = CurvePosition {
             cycle: first.clone(),
             values: self.values(first, &condition),
             condition,
@@ -152,7 +157,7 @@ impl CurveContinuation<'_> {
                 ..=3 => None,
                 _ => self.closes(&at, &next, first),
             };
-            let mut ends: Vec<End> = [half, resonance, closed].into_iter().flatten().collect();
+            let mut ends: Vec<CurveEnd> = [half, resonance, closed].into_iter().flatten().collect();
             let is_short = step <= self.settings.step * DECISIVE_STEP;
             let change = self.change(&at, &next, orbits);
             let range = self.is_outside(&next.cycle);
