@@ -24,7 +24,7 @@ use stickslip::{Error, Options};
 pub use errors::FitError;
 use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
-pub use statistics::RunsTest;
+pub use statistics::{RunsTest, quantile, runs_test};
 pub use uncertainty::FitUncertainty;
 use work::FitWork;
 
