@@ -149,7 +149,7 @@ DOCS_VENV := target/docs-venv
 DOCS := target/docs/html
 
 docs: wheel ## The site: target/docs/html/index.html, every code block run; needs Python 3.11 or later
-	$(CARGO) build --locked -p stickslip-cli
+	test -n "$$PROGRAM_IS_BUILT" || $(CARGO) build --locked -p stickslip-cli
 	test -x $(DOCS_VENV)/bin/python || $(PYTHON) -m venv $(DOCS_VENV)
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
@@ -193,7 +193,6 @@ check: ## Formatting, lines, lints and documentation, every warning an error
 	@! git ls-files '*.rs' '*.md' | LC_ALL=C.UTF-8 xargs grep -nE '^[^|].{100}' \
 	    || { echo "the lines above are longer than 100 columns" >&2; exit 1; }
 	$(CARGO) fmt --all --check
-	$(CARGO) clippy --locked --workspace --all-targets -- -D warnings
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
 	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --lib --bins --tests -- -D warnings
 	$(CARGO) test --locked --quiet -p output --features png

@@ -2,7 +2,7 @@
 
 use std::io::BufReader;
 
-use stickslip_cli::table::{Table, parse};
+use super::{Table, parse};
 
 fn from(bytes: &[u8], wanted: &[&str], dt: Option<f64>) -> Result<Table, String> {
     let wanted: Vec<String> = wanted.iter().map(|&w| w.to_owned()).collect();
@@ -532,4 +532,120 @@ fn a_line_without_end_is_refused_before_it_fills_the_memory() {
             .starts_with("f, line 1: the line is longer than"),
         "{error}"
     );
+}
+
+fn read(text: &str, dt: Option<f64>) -> Table {
+    let table = parse("f".into(), text.as_bytes(), &[], dt);
+    table.unwrap_or_else(|error| panic!("{text:?}: {error}"))
+}
+
+#[test]
+fn headers_of_several_lines_and_units_are_read() {
+    let labview = "LabVIEW Measurement\nWriter_Version\t2\nSeparator\tTab\n\n\
+        ***End_of_Header***\nX_Value\tu\tComment\n0.0\t1.5\n0.5\t2.5\n1.0\t3.0\n";
+    // As LabVIEW fills its lines with tabs.
+    let filled = "LabVIEW Measurement\t\nSeparator\tTab\n***End_of_Header***\t\n\t\n\
+        Channels\t1\t\nSamples\t3\t\nX0\t0.0E+0\t\nDelta_X\t0.5\t\n***End_of_Header***\t\t\n\
+        X_Value\tu\tComment\n0.0\t1.5\t\n0.5\t2.5\t\n1.0\t3.0\t\n";
+    for (text, names, values) in [
+        (
+            "t,x\ns,V\n0,0.1\n1,0.2\n2,0.4\n",
+            vec!["x"],
+            vec![0.1, 0.2, 0.4],
+        ),
+        (
+            "run 7\n\nt;x\n[s];[V]\n0;1\n1;2\n2;5\n",
+            vec!["x"],
+            vec![1.0, 2.0, 5.0],
+        ),
+        (
+            labview,
+            vec!["X_Value", "u"],
+            vec![0.0, 1.5, 0.5, 2.5, 1.0, 3.0],
+        ),
+        (
+            filled,
+            vec!["X_Value", "u"],
+            vec![0.0, 1.5, 0.5, 2.5, 1.0, 3.0],
+        ),
+    ] {
+        let table = read(text, Some(1.0).filter(|_| names.len() > 1));
+        assert_eq!(
+            (&table.names[..], &table.values),
+            (
+                &names[..].iter().map(|n| n.to_string()).collect::<Vec<_>>()[..],
+                &values
+            )
+        );
+        assert!(table.notes[0].contains("nothing else"), "{:?}", table.notes);
+    }
+    // A wrong number in the first row is no header.
+    let wrong = parse("f".into(), "t,x\n0,O.1\n1,0.2\n".as_bytes(), &[], None);
+    assert!(
+        wrong
+            .unwrap_err()
+            .to_string()
+            .contains("line 2, column 2 (x)")
+    );
+}
+
+#[test]
+fn a_column_whose_name_ends_in_time_is_the_time_where_no_better_one_is() {
+    for name in [
+        "Elapsed time",
+        "elapsed_time (s)",
+        "Time (s)",
+        "time [ms]",
+        "T",
+    ] {
+        let table = read(&format!("x,{name}\n0,0\n3,0.5\n1,1\n"), None);
+        assert_eq!(
+            (&*table.names, table.dt),
+            (&["x".to_owned()][..], 0.5),
+            "{name}"
+        );
+    }
+    let table = read("reaction time,t\n3,0\n4,1\n1,2\n", None);
+    assert_eq!(table.names, ["reaction time"]);
+    // A name that only contains the word is no time.
+    let other = parse("f".into(), "x,timeout\n0,0\n3,0.5\n".as_bytes(), &[], None);
+    assert!(other.unwrap_err().to_string().contains("--dt is missing"));
+}
+
+#[test]
+fn names_lose_their_quotes() {
+    for text in [
+        "\"t\", \"x, y\"\n0,1\n1,2\n",
+        "'t';\"x, y\"\n0;1\n1;2\n",
+        "\"t\"  \"x, y\"\n0 1\n1 2\n",
+    ] {
+        assert_eq!(read(text, None).names, ["x, y"], "{text:?}");
+    }
+}
+
+#[test]
+fn times_that_are_even_up_to_their_rounding_are_even() {
+    let rounded = |step: f64, lost: usize, name: &str| {
+        let rows = (0..40).filter(|k| *k != lost);
+        let rows = rows.map(|k| format!("{:.3},{}\n", step * k as f64, k * k % 7));
+        format!("{name},x\n") + &rows.collect::<String>()
+    };
+    let third = rounded(1.0 / 30.0, 40, "t");
+    for dt in [None, Some(1.0 / 30.0), Some(0.0333)] {
+        let table = read(&third, dt);
+        assert_eq!(table.names, ["x"]);
+        assert!((table.dt - 1.0 / 30.0).abs() < 1e-4, "{}", table.dt);
+    }
+    // By another name it is a coordinate, with a word.
+    let other = read(&rounded(1.0 / 30.0, 40, "Zeit"), Some(1.0 / 30.0));
+    assert_eq!(other.even_columns().next().unwrap().0, 0);
+    // A lost row is a gap however the times are rounded.
+    for dt in [None, Some(1.0 / 30.0)] {
+        let lost = rounded(1.0 / 30.0, 20, "t");
+        let refused = parse("f".into(), lost.as_bytes(), &[], dt).unwrap_err();
+        assert!(
+            refused.to_string().contains("the time goes from"),
+            "{refused}"
+        );
+    }
 }

@@ -1,6 +1,6 @@
 //! Output and files of commands for systems with jumps, discrete states and inputs.
 
-use crate::public_cases::{METHODS, program, results};
+use crate::public_cases::{program, results};
 
 /// Two values, set by jumps where `u` passes through two levels.
 fn relay(levels: [f64; 2]) -> String {
@@ -44,105 +44,6 @@ const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\
     i = \"(E*on - v)/0.02\"\n[jumps.open]\nwhen = \"above\"\ndirection = \"rising\"\n\
     set = { on = \"0\" }\n[jumps.close]\nwhen = \"above\"\ndirection = \"falling\"\n\
     set = { on = \"1\" }\n[start]\nv = 12\ni = 0.55\n[time]\nperiod = \"400e-6\"\nend = 0.02\n";
-
-#[test]
-fn a_sweep_goes_on_from_the_state_behind_a_kink() {
-    // Period one below the flip at 24.5166, period two above it. Each run starts from the previous
-    // value's end.
-    let (top, mut command) = program(BUCK);
-    command.args([
-        "bifurcation",
-        "system.toml",
-        "--out",
-        "out",
-        "--parameter",
-        "E=22:27",
-    ]);
-    command.args(["--values", "2", "--until", "0.4", "--duration", "0.02"]);
-    command.assert().success();
-    let mut table = csv::Reader::from_path(top.path().join("out/bifurcation.csv")).unwrap();
-    let column =
-        |name: &str, of: &csv::StringRecord| of.iter().position(|one| one == name).unwrap();
-    let names = table.headers().unwrap().clone();
-    let (input, period) = (column("E", &names), column("period", &names));
-    for row in table.records() {
-        let row = row.unwrap();
-        let value = |k: usize| row[k].parse::<f64>().unwrap();
-        let expected = if value(input) < 24.0 { 400e-6 } else { 800e-6 };
-        assert!((value(period) - expected).abs() < 1e-12, "{row:?}");
-    }
-}
-
-/// A damped oscillator, driven with a period of 2, with a kick at an event.
-fn kicked(input: &str, when: &str) -> String {
-    format!(
-        "name = \"kicked\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nph = 0\n{input}\n[field]\n\
-         x = \"v\"\nv = \"-x - 0.3*v + 0.2*sin(pi*t)\"\n[jumps.kick]\nwhen = \"{when}\"\n\
-         direction = \"rising\"\nset = {{ v = \"v + 1\" }}\n[start]\nx = 0.1\nv = 0\n[time]\n\
-         period = 2\nend = 20\n"
-    )
-}
-
-/// The logistic map as a jump once in a period. Its period doubles at 1 + √6 in both directions.
-#[test]
-fn a_flip_has_one_name_in_both_directions_of_a_sweep() {
-    let text = "name = \"logistic\"\n[states]\nx = \"\"\n[parameters]\nr = 3.3\n[jumps.map]\n\
-                when = \"sin(2*pi*(t - 0.3))\"\ndirection = \"rising\"\n\
-                set = { x = \"exp(0.05)*r*x*(1 - x)\" }\n[field]\nx = \"-0.05*x\"\n[start]\n\
-                x = 0.3\n[time]\nperiod = 1\n";
-    let arguments = [
-        "bifurcation",
-        "system.toml",
-        "--parameter",
-        "r=3.4:3.48",
-        "--values",
-        "3",
-    ];
-    let found = results(text, &arguments);
-    for sweep in ["up", "down"] {
-        let changes = found[sweep]["changes"].as_array().unwrap();
-        assert_eq!(changes.len(), 1, "{found}");
-        let change = &changes[0]["change"]["multiplier"];
-        assert_eq!(change["name"], "flip", "{sweep}: {found}");
-        let place = change["parameter"].as_f64().unwrap();
-        assert!((place - (1.0 + 6.0_f64.sqrt())).abs() < 1e-12, "{change}");
-    }
-}
-
-#[test]
-fn a_branch_goes_along_the_phase_of_an_input() {
-    let square = "[inputs.d]\nshape = \"square\"\nperiod = 2\nphase = \"ph\"";
-    let text = kicked(square, "d");
-    let (top, mut command) = program(&text);
-    command.args([
-        "continue",
-        "system.toml",
-        "--out",
-        "out",
-        "--t-start",
-        "0.5",
-    ]);
-    command
-        .args(["--parameter", "ph=-0.3:0.3"])
-        .assert()
-        .success();
-    let mut table = csv::Reader::from_path(top.path().join("out/branch.csv")).unwrap();
-    let names = table.headers().unwrap().clone();
-    let column = names.iter().position(|name| name == "x_high").unwrap();
-    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
-    for row in [rows.first().unwrap(), rows.last().unwrap()] {
-        let set = format!("ph={}", &row[0]);
-        let alone = results(
-            &text,
-            &["orbit", "system.toml", "--t-start", "0.5", "--set", &set],
-        );
-        let high = alone["extremes"]["x"][1].as_f64().unwrap();
-        assert!(
-            (high - row[column].parse::<f64>().unwrap()).abs() < 1e-9,
-            "{row:?} {high}"
-        );
-    }
-}
 
 /// A block, driven by a square wave and a switch by time, that hits a wall.
 const MIXED: &str = "name = \"mixed\"\n\
@@ -350,86 +251,6 @@ fn branches_begin_at_flips_of_orbits_with_jumps() {
         assert!(special.starts_with("branch,branches,behind,"), "{special}");
         assert!(special.contains("\n0,1,"), "{special}");
     }
-}
-
-/// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
-const SIDES: &str = "name = \"sides\"\n\
-                     [states]\n\
-                     x = \"\"\n\
-                     y = \"\"\n\
-                     [discrete]\n\
-                     s = 0\n\
-                     [parameters]\n\
-                     a = 1\n\
-                     [jumps.side]\n\
-                     when = \"y\"\n\
-                     direction = \"falling\"\n\
-                     set = { s = \"x/abs(x)\" }\n\
-                     [field]\n\
-                     x = \"a*s - x\"\n\
-                     y = \"-y - 1\"\n\
-                     [start]\n\
-                     x = 0.5\n\
-                     y = 1\n";
-
-#[test]
-fn an_equilibrium_holds_discrete_states() {
-    let plane = ["--x", "x=-1:1", "--y", "y=-0.5:0.5", "--grid", "8x8"];
-    for method in METHODS {
-        let arguments = [&["basin", "system.toml", "--method", method], &plane[..]].concat();
-        let found = results(SIDES, &arguments);
-        let attractors = found["attractors"].as_array().unwrap().iter();
-        let mut attractors: Vec<_> = attractors
-            .map(|one| {
-                assert_eq!(one["motion"], "equilibrium");
-                let x = &one["points"][0]["x"];
-                let [x, y, s] = ["x", "y", "s"].map(|name| x[name].as_f64().unwrap());
-                assert!((y + 1.0).abs() < 1e-9 && (x - s).abs() < 1e-9, "{one}");
-                (s, one["share"].as_f64().unwrap())
-            })
-            .collect();
-        attractors.sort_by(|a, b| a.0.total_cmp(&b.0));
-        assert_eq!(
-            attractors,
-            [(-1.0, 0.25), (0.0, 0.5), (1.0, 0.25)],
-            "{method}"
-        );
-    }
-    let found = results(
-        SIDES,
-        &[
-            "continue",
-            "system.toml",
-            "--equilibrium",
-            "--parameter",
-            "a=0.5:2",
-        ],
-    );
-    assert_eq!(found["special"], serde_json::json!([]));
-    let (top, _) = printed(
-        SIDES,
-        &[
-            "continue",
-            "system.toml",
-            "--equilibrium",
-            "--parameter",
-            "a=0.5:2",
-        ],
-    );
-    let table = csv::Reader::from_path(top.path().join("out/equilibria.csv"));
-    let mut count = 0;
-    for row in table.unwrap().records() {
-        let row = row.unwrap();
-        let numbers: Vec<f64> = row.iter().filter_map(|one| one.parse().ok()).collect();
-        let [a, x, y, s, one, _, two, _] = numbers[..] else {
-            panic!("{row:?}");
-        };
-        assert!((x - a).abs() < 1e-12 && y == -1.0 && s == 1.0, "{row:?}");
-        assert!((one + 1.0).abs() + (two + 1.0).abs() < 1e-14);
-        assert_eq!(&row[1], "stable");
-        count += 1;
-    }
-    assert!(count > 10);
 }
 
 /// A ball that comes to rest on a floor: the reaction, impulses and a formula in all tables.

@@ -11,4 +11,3 @@ mod public_cases;
 mod spectrum;
 mod spectrum_embedding;
 mod starts;
-mod tables;

@@ -4,8 +4,6 @@ use assert_cmd::Command;
 use predicates::str::contains;
 use serde_json::Value;
 
-pub const METHODS: [&str; 2] = ["taylor", "dop853"];
-
 /// The program, in a folder with the system in `text` as `system.toml`.
 pub fn program(text: &str) -> (tempfile::TempDir, Command) {
     let top = tempfile::tempdir().unwrap();

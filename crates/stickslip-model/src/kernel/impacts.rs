@@ -68,7 +68,7 @@ impl<T: Scalar> Touching<T> {
 }
 
 /// Event to which stops react.
-enum StopEvent {
+enum ImpactCause {
     /// The impact of a stop.
     Impact(usize),
     /// The landing of a stop.
@@ -140,14 +140,14 @@ impl Impacts {
     /// The states after the impact of a stop. Not a number where no impulses follow the law, or a
     /// restitution is not between 0 and 1.
     pub fn strike<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&StopEvent::Impact(stop), t, x);
+        self.changed(&ImpactCause::Impact(stop), t, x);
     }
 
     /// The states after a jump from a state before it, which may move what closed stops carry. Not
     /// a number as at an impact.
     pub fn settle<T: Scalar>(&self, t: T, before: &[T], x: &mut [T]) {
         let kicks = self.release(t, before, x);
-        self.changed(&StopEvent::Jump(kicks), t, x);
+        self.changed(&ImpactCause::Jump(kicks), t, x);
     }
 
     /// The states after a stop has let go.
@@ -160,14 +160,14 @@ impl Impacts {
     /// vanishes by an impulse, which other closed stops share. The gap vanishes along the motion
     /// that follows an impulse. So the derivative is that of infinitely many impacts.
     pub fn land<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.changed(&StopEvent::Landing(stop), t, x);
+        self.changed(&ImpactCause::Landing(stop), t, x);
     }
 
     /// The impulses of all stops at an impact or a landing.
     pub fn impulses(&self, stop: usize, lands: bool, t: f64, x: &[f64]) -> Vec<f64> {
         let cause = match lands {
-            true => StopEvent::Landing(stop),
-            false => StopEvent::Impact(stop),
+            true => ImpactCause::Landing(stop),
+            false => ImpactCause::Impact(stop),
         };
         self.impulses_of(&cause, t, x)
     }
@@ -175,10 +175,10 @@ impl Impacts {
     /// The impulses of all stops behind a jump from a state before it.
     pub fn impulses_behind(&self, t: f64, before: &[f64], x: &mut [f64]) -> Vec<f64> {
         let kicks = self.release(t, before, x);
-        self.impulses_of(&StopEvent::Jump(kicks), t, x)
+        self.impulses_of(&ImpactCause::Jump(kicks), t, x)
     }
 
-    fn impulses_of(&self, cause: &StopEvent, t: f64, x: &[f64]) -> Vec<f64> {
+    fn impulses_of(&self, cause: &ImpactCause, t: f64, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.closed.len()];
         if let Some(Strike {
             touching,
@@ -193,7 +193,7 @@ impl Impacts {
         all
     }
 
-    fn changed<T: Scalar>(&self, cause: &StopEvent, t: T, x: &mut [T]) {
+    fn changed<T: Scalar>(&self, cause: &ImpactCause, t: T, x: &mut [T]) {
         let Some(Strike {
             touching, parts, ..
         }) = self.struck(cause, t, x)
@@ -241,12 +241,12 @@ impl Impacts {
 
     /// The stops that take part in an impact and the impulses that follow the law; `None` where
     /// nothing changes.
-    fn struck<T: Scalar>(&self, cause: &StopEvent, t: T, x: &[T]) -> Option<Strike<T>> {
+    fn struck<T: Scalar>(&self, cause: &ImpactCause, t: T, x: &[T]) -> Option<Strike<T>> {
         let impact = match cause {
-            StopEvent::Impact(stop) | StopEvent::Landing(stop) => Some(*stop),
-            StopEvent::Jump(_) => None,
+            ImpactCause::Impact(stop) | ImpactCause::Landing(stop) => Some(*stop),
+            ImpactCause::Jump(_) => None,
         };
-        let lands = matches!(cause, StopEvent::Landing(_));
+        let lands = matches!(cause, ImpactCause::Landing(_));
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -260,7 +260,7 @@ impl Impacts {
                 let touches = impact.is_some() && gap.value() <= ROUNDING * size;
                 let takes_part = impact == Some(stop) || is_closed || touches;
                 let is_kicked = match cause {
-                    StopEvent::Jump(kicks) => kicks[stop] != 0.0,
+                    ImpactCause::Jump(kicks) => kicks[stop] != 0.0,
                     _ => false,
                 };
                 let carries = is_closed && !is_kicked;

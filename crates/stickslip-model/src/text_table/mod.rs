@@ -43,7 +43,7 @@ impl TableError {
         TableError::Read { input, source }
     }
 
-    /// There is no row.
+    /// Error for a table without rows.
     pub fn empty(input: &str) -> Self {
         TableError::File(format!(
             "{input} holds no data: at least one row of numbers is needed"

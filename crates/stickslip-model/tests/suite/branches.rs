@@ -2,14 +2,21 @@
 
 use std::f64::consts::PI;
 
-use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, Stability, Stop};
+use stickslip::analysis::{
+    AttractorKind, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stability, Stop,
+    basin,
+};
 use stickslip::{Options, math};
-use stickslip_model::file::System;
-use stickslip_model::study::{Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium};
+use stickslip_model::file::{Interface, System};
+use stickslip_model::study::{
+    Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium, extremes, recurrence,
+};
 
-use crate::run::{branch, options, orbit, system, with};
+use crate::run::{
+    METHODS, Names, SEARCH, branch, branch_through, options, orbit, orbit_from, system, with,
+};
 
-const DEN_HARTOG: &str = include_str!("../../systems/den-hartog.toml");
+pub const DEN_HARTOG: &str = include_str!("../../systems/den-hartog.toml");
 
 /// The branch through the orbit of a file with other values of some parameters.
 fn followed(
@@ -89,6 +96,46 @@ fn edge(frequency: f64) -> f64 {
     let half = PI / frequency;
     let u = math::sin(half) / (frequency * (1.0 + math::cos(half)));
     (v * square).abs() / (1.0 + u * u * square * square).sqrt()
+}
+
+/// Frequency between 0.55 and 0.65 at which the edge has this friction.
+pub fn frequency_of_the_edge(friction: f64) -> f64 {
+    let (mut low, mut high) = (0.55, 0.65);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if edge(middle) < friction {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// The edge along the frequency, which changes the drive's period. From above, the orbit loses its
+/// stops there, so that they are among the phases below.
+#[test]
+fn the_edge_is_den_hartogs_along_the_frequency() {
+    let known = frequency_of_the_edge(0.5);
+    let set = [("O", 0.8), ("S", 0.5)];
+    let (system, branch) = followed(DEN_HARTOG, &set, ("O", 0.5, 0.9));
+    let found = branch.special.last().unwrap();
+    let CycleBifurcation::Sequence(change) = &found.what else {
+        panic!("{:?}", found.what);
+    };
+    let period = 2.0 * PI / known;
+    for (value, wanted) in [
+        (found.parameter, known),
+        (found.period, period),
+        (change.period, period),
+    ] {
+        assert!((value - wanted).abs() < 1e-9, "{value}, known {wanted}");
+    }
+    let [before, after] = [&change.before, &change.after].map(|modes| system.sequence(modes));
+    assert!(
+        before.contains('S') && !after.contains('S'),
+        "{before}, {after}"
+    );
 }
 
 /// P17.
@@ -460,4 +507,198 @@ fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms(
         }
     }
     assert_eq!(branch.stops, [Stop::Range, Stop::Range]);
+}
+
+/// Three lags under a relay. Either side's equilibrium is on the boundary where the threshold is
+/// ±1, and the orbit shrinks to it.
+pub const LAGS: &str = r#"
+name = "lags"
+[states]
+x = ""
+y = ""
+z = ""
+[parameters]
+b = { value = 0, range = [-2, 2] }
+[contacts.relay]
+boundary = "z - b"
+friction = "1"
+[field]
+x = "-x - friction(relay)"
+y = "x - y"
+z = "y - z"
+[start]
+x = 0.5
+y = 0.1
+z = 0.3
+"#;
+
+/// Welander's box model of the ocean (di Bernardo et al. 2008, 1.2). Below `eps = -1/15` it rests
+/// at (1/2, 1/3). Above, an oscillation approaches it next to the boundary.
+pub const OCEAN: &str = r#"
+name = "ocean"
+[states]
+T = ""
+S = ""
+[parameters]
+eps = -0.01
+[definitions]
+k = "by_side(mixing, 0, 1)"
+[contacts.mixing]
+boundary = "S - 4*T/5 - eps"
+[field]
+T = "1 - T - k*T"
+S = "(1 - S)/2 - k*S"
+[start]
+T = 0.9
+S = 0.6
+"#;
+
+#[test]
+fn a_branch_ends_in_an_equilibrium_on_the_boundary() {
+    let on_boundary = |stop: &Stop, exact: f64| {
+        let Stop::BoundaryEquilibrium { parameter } = *stop else {
+            panic!("{stop:?}");
+        };
+        assert!((parameter - exact).abs() < 1e-12, "{parameter}");
+    };
+    let (lags, branch) = followed(LAGS, &[], ("b", -2.0, 2.0));
+    for (stop, exact) in branch.stops.iter().zip([-1.0, 1.0]) {
+        on_boundary(stop, exact);
+    }
+    let rows = branch.special_rows(&lags);
+    let names: Vec<&str> = rows.iter().map(|row| row.name.as_str()).collect();
+    assert_eq!(names, ["boundary equilibrium"; 2]);
+    let (_, branch) = followed(OCEAN, &[], ("eps", -0.09, -0.005));
+    on_boundary(&branch.stops[0], -1.0 / 15.0);
+}
+
+/// A block on a belt whose static friction decreases to the kinetic one.
+const WEAK: &str = r#"
+name = "weak grip"
+[states]
+x = ""
+v = ""
+[parameters]
+s = { value = 1.5, range = [0, 3] }
+[contacts.belt]
+boundary = "v - 0.3"
+friction = "1/(1 + abs(v - 0.3))"
+static = "s"
+[field]
+x = "v"
+v = "-x - friction(belt)"
+[start]
+x = 0
+v = -1
+"#;
+
+/// If friction does not fall with speed, stick vanishes at the end, too, which is a change of
+/// phases.
+#[test]
+fn a_branch_ends_with_the_reason_where_static_friction_falls_below_kinetic() {
+    let constant = WEAK.replace("1/(1 + abs(v - 0.3))", "1");
+    for (text, within, changes) in [(WEAK, 1e-9, 0), (&constant, 1e-4, 1)] {
+        let (system, branch) = followed(text, &[], ("s", 0.5, 2.0));
+        assert_eq!(ends(&branch), ["friction", "range"]);
+        let Stop::Refused(error) = &branch.stops[0] else {
+            panic!("{:?}", branch.stops);
+        };
+        let words = Names.words(error, Some(&system));
+        let reason = "the static friction of the contact `belt`";
+        assert!(words.contains(reason), "{words}");
+        let place = branch.points[0].orbit.parameter;
+        assert!((place - 1.0).abs() < within, "{place}");
+        assert_eq!(branch.special.len(), changes);
+    }
+}
+
+/// A damped oscillator, driven with a period of 2, with a kick where a square wave rises.
+#[test]
+fn a_branch_goes_along_the_phase_of_an_input() {
+    let kicked = system(
+        "name = \"kicked\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nph = 0\n[inputs.d]\n\
+         shape = \"square\"\nperiod = 2\nphase = \"ph\"\n[field]\nx = \"v\"\n\
+         v = \"-x - 0.3*v + 0.2*sin(pi*t)\"\n[jumps.kick]\nwhen = \"d\"\n\
+         direction = \"rising\"\nset = { v = \"v + 1\" }\n[start]\nx = 0.1\nv = 0\n[time]\n\
+         period = 2\nend = 20\n",
+    );
+    let options = options("taylor");
+    let first = orbit_from(&kicked, 0.5, &SEARCH, &options);
+    let branch = branch_through(&kicked, &first, ("ph", -0.3, 0.3), 0.02, &options);
+    assert_eq!(ends(&branch), ["range", "range"]);
+    for point in [&branch.points[0], branch.points.last().unwrap()] {
+        let here = kicked
+            .with_values(&[("ph", point.orbit.parameter)])
+            .unwrap();
+        let alone = orbit_from(&here, 0.5, &SEARCH, &options);
+        let (start, t_end) = ((alone.t, alone.x.as_slice()), alone.t + alone.period);
+        let (alone, _) = extremes(here.dynamics(), start, t_end, &options).unwrap();
+        let off = alone[0].1 - point.extremes[0].1;
+        assert!(off.abs() < 1e-9, "{off:e} at {}", point.orbit.parameter);
+    }
+}
+
+/// `s` has the sign of `x` at the jump. Before it, and where `y` starts below zero, it is 0.
+const SIDES: &str = r#"
+name = "sides"
+[states]
+x = ""
+y = ""
+[discrete]
+s = 0
+[parameters]
+a = 1
+[jumps.side]
+when = "y"
+direction = "falling"
+set = { s = "x/abs(x)" }
+[field]
+x = "a*s - x"
+y = "-y - 1"
+[start]
+x = 0.5
+y = 1
+"#;
+
+#[test]
+fn an_equilibrium_holds_discrete_states() {
+    let sides = system(SIDES);
+    let starts: Vec<[f64; 3]> = (0..64)
+        .map(|k| {
+            let [x, y] = [k % 8, k / 8].map(|k| (f64::from(k) + 0.5) / 8.0);
+            [2.0 * x - 1.0, y - 0.5, 0.0]
+        })
+        .collect();
+    for method in METHODS {
+        let (settings, options) = (recurrence(&sides, 2000.0), options(method));
+        let found = basin(sides.dynamics(), starts.clone(), &settings, &options).unwrap();
+        let attractors = found.attractors.iter().enumerate().map(|(number, one)| {
+            assert_eq!(one.kind, AttractorKind::Equilibrium);
+            let [x, y, s] = [0, 1, 2].map(|state| one.points[0].x[state]);
+            assert!(
+                (y + 1.0).abs() < 1e-9 && (x - s).abs() < 1e-9,
+                "{x} {y} {s}"
+            );
+            (s, found.share(number).part)
+        });
+        let mut attractors: Vec<(f64, f64)> = attractors.collect();
+        attractors.sort_by(|a, b| a.0.total_cmp(&b.0));
+        assert_eq!(
+            attractors,
+            [(-1.0, 0.25), (0.0, 0.5), (1.0, 0.25)],
+            "{method}"
+        );
+    }
+    let (_, branch) = equilibria(SIDES, ("a", 0.5, 2.0));
+    assert!(branch.special.is_empty() && branch.points.len() > 10);
+    for point in &branch.points {
+        let [x, y, s] = [0, 1, 2].map(|state| point.x[state]);
+        assert!(
+            (x - point.parameter).abs() < 1e-12 && y == -1.0 && s == 1.0,
+            "{point:?}"
+        );
+        let [one, two] = [0, 1].map(|k| point.eigenvalues[k].re);
+        assert!((one + 1.0).abs() + (two + 1.0).abs() < 1e-14, "{point:?}");
+        assert_eq!(point.stability(), Stability::Stable);
+    }
 }

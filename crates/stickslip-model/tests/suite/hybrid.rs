@@ -359,7 +359,7 @@ fn the_flip_of_an_impacting_orbit_is_located() {
 
 /// A buck converter in voltage mode. Its switch closes where a ramp passes the amplified error, and
 /// opens with the next ramp.
-const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\non = 0\n\
+pub const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\non = 0\n\
     [parameters]\nE = 18\n[inputs.ramp]\nshape = \"sawtooth\"\nperiod = \"400e-6\"\n[definitions]\n\
     above = \"8.4*(v - 11.3) - (3.8 + 4.4*ramp)\"\n[field]\nv = \"(i - v/22)/47e-6\"\n\
     i = \"(E*on - v)/0.02\"\n[jumps.open]\nwhen = \"above\"\ndirection = \"rising\"\n\

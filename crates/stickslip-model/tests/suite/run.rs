@@ -114,7 +114,7 @@ impl Run {
 }
 
 /// Options by their names in the library.
-struct Names;
+pub struct Names;
 
 impl Interface for Names {
     fn name(&self, option: &str) -> String {

@@ -1,27 +1,25 @@
-//! Measures of basins beside their shares: entropy and dimension of boundaries, times to return,
-//! pushes out of basins, edge states.
+//! Measures of basins beside their shares, among them entropy and dimension of boundaries.
 
 use std::num::NonZeroUsize;
 
-use plot::{Curve, Markers, Panel, Shape};
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::Options;
 use stickslip::analysis::{
-    Attractor, AttractorKind, Attractors, EdgeKind, EdgeSettings, EdgeState, Push, PushSettings,
-    RecurrenceSettings, basin_entropy, carried_on, edge_state, least_pushes, uncertainty_exponent,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, basin_entropy, carried_on,
+    uncertainty_exponent,
 };
-use stickslip::dynamics::{Moment, Vector};
-use stickslip::error::readable;
+use stickslip::dynamics::Vector;
+use stickslip_model::file::System;
 
 use super::OutcomeShare;
+use super::edges::{EdgeShown, edges};
+use super::pushes::{Direction, pushes};
 use super::starts::Points;
-use crate::commands::arguments::{count, position};
+use crate::commands::arguments::count;
 use crate::commands::range::StateRange;
 use crate::failure::Failure;
-use crate::render::{Report, Table, by_state, state_words, within};
-use stickslip_model::file::{System, number};
+use crate::render::{Report, Table, within};
 
 /// Measures beside the shares.
 #[derive(Clone, Debug, clap::Args, Serialize, Deserialize)]
@@ -61,123 +59,6 @@ fn is_false(given: &bool) -> bool {
     !given
 }
 
-/// A direction in the plane.
-struct Direction {
-    text: String,
-    parts: Vec<(usize, f64)>,
-}
-
-impl Direction {
-    /// Reads `v`, `-v` or `x=1,v=-0.5`.
-    fn new(text: &str, plane: &[StateRange; 2], system: &System) -> Result<Self, Failure> {
-        let states = || system.file.states.iter().map(|state| state.name.as_str());
-        let mut parts: Vec<(usize, f64)> = Vec::new();
-        for part in text.split(',').map(str::trim) {
-            let (name, factor) = match part.split_once('=') {
-                Some((name, factor)) => {
-                    let factor = number(factor).map_err(|message| {
-                        Failure::Usage(format!("--push {text}: the factor of {name}: {message}"))
-                    })?;
-                    (name, factor)
-                }
-                None => match part.strip_prefix('-') {
-                    Some(name) => (name, -1.0),
-                    None => (part.trim_start_matches('+'), 1.0),
-                },
-            };
-            let state = position("state", name.trim(), states())?;
-            if plane.iter().all(|range| range.state != state) {
-                let names = plane.map(|range| system.file.states[range.state].name.clone());
-                return Err(Failure::Usage(format!(
-                    "--push {text}: a push stays in the plane of starts, {}; choose another \
-                     plane with --x and --y",
-                    names.join(" and ")
-                )));
-            }
-            if parts.iter().any(|(known, _)| *known == state) {
-                let name = &system.file.states[state].name;
-                return Err(Failure::Usage(format!(
-                    "--push {text}: the state `{name}` stands twice; take one out"
-                )));
-            }
-            parts.push((state, factor));
-        }
-        if !(parts.iter().all(|part| part.1.is_finite()) && parts.iter().any(|part| part.1 != 0.0))
-        {
-            return Err(Failure::Usage(format!(
-                "--push {text}: a direction has finite factors, and one at least is not 0"
-            )));
-        }
-        Ok(Self {
-            text: text.to_owned(),
-            parts,
-        })
-    }
-
-    fn vector(&self, states: usize) -> Vector {
-        let mut vector = Vector::zeros(states);
-        for &(state, factor) in &self.parts {
-            vector[state] = factor;
-        }
-        vector
-    }
-
-    /// The push that leads to the edge of the plane; not positive from outside of it.
-    fn largest(&self, from: &Vector, plane: &[StateRange; 2]) -> f64 {
-        let is_inside =
-            |range: &StateRange| range.low <= from[range.state] && from[range.state] <= range.high;
-        if !plane.iter().all(is_inside) {
-            return 0.0;
-        }
-        let ends = self.parts.iter().filter(|part| part.1 != 0.0);
-        let ends = ends.filter_map(|&(state, factor)| {
-            let range = plane.iter().find(|range| range.state == state)?;
-            let end = if factor > 0.0 { range.high } else { range.low };
-            Some((end - from[state]) / factor)
-        });
-        ends.fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// A least push from an attractor.
-struct PushRow {
-    /// Number of the attractor.
-    attractor: usize,
-    direction: String,
-    /// State that is pushed.
-    from: Vector,
-    /// Largest push that was tried; not positive from outside the plane.
-    largest: f64,
-    push: Option<Push>,
-    /// Number of the attractor beyond, if it is one, and its motion.
-    beyond: Option<(Option<usize>, &'static str)>,
-}
-
-/// An edge state between two attractors.
-struct EdgeRow {
-    between: [usize; 2],
-    state: EdgeState,
-    /// Number of the attractor on the other side, if it is one, and its motion.
-    beyond: (Option<usize>, &'static str),
-}
-
-impl EdgeRow {
-    fn motion(&self) -> &'static str {
-        match self.state.kind {
-            EdgeKind::Equilibrium => "equilibrium",
-            EdgeKind::Periodic { .. } => "periodic",
-            EdgeKind::Undecided => "undecided",
-        }
-    }
-
-    fn period(&self) -> Option<f64> {
-        match self.state.kind {
-            EdgeKind::Periodic { period } => Some(period),
-            _ => None,
-        }
-    }
-}
-
 /// A basin and its system, ready to be measured.
 pub(super) struct Measured<'a> {
     pub(super) system: &'a System,
@@ -189,28 +70,6 @@ pub(super) struct Measured<'a> {
     pub(super) attractors: &'a [OutcomeShare],
     /// Index of the outcome of each start.
     pub(super) reached: &'a [u32],
-}
-
-/// A track to draw in the plane, and the edge state, if it is in the range.
-pub(super) struct EdgeShown {
-    track: Vec<(f64, f64)>,
-    state: Option<(f64, f64)>,
-}
-
-impl EdgeShown {
-    /// Draws edge states with their tracks.
-    pub(super) fn draw(all: &[EdgeShown], panel: &mut Panel) {
-        for (k, one) in all.iter().enumerate() {
-            let track = Curve::new(one.track.iter().copied()).width(1.4);
-            let legend = "tracks along boundaries";
-            panel.add(if k == 0 { track.legend(legend) } else { track });
-        }
-        let states: Vec<(f64, f64)> = all.iter().filter_map(|one| one.state).collect();
-        if !states.is_empty() {
-            let states = Markers::new(states).shape(Shape::Square).size(4.0);
-            panel.add(states.legend("edge states"));
-        }
-    }
 }
 
 impl Measures {
@@ -287,82 +146,18 @@ impl Measures {
             }
         }
         if !self.push.is_empty() {
-            self.pushes(of, report)?;
+            pushes(&self.directions(of.plane, of.system)?, of, report)?;
         }
         match self.edges {
             true => edges(of, report),
             false => Ok(Vec::new()),
         }
     }
-
-    fn pushes(&self, of: &Measured<'_>, report: &mut Report) -> Result<(), Failure> {
-        let directions = self.directions(of.plane, of.system)?;
-        let cases = states_of(of).into_iter().flat_map(|(attractor, from)| {
-            let each = directions.iter();
-            each.map(move |direction| (attractor, from.clone(), direction))
-        });
-        let cases: Vec<(usize, Vector, &Direction)> = cases.collect();
-        let dynamics = of.system.dynamics();
-        let row = |(attractor, from, direction): (usize, Vector, &Direction)| {
-            let largest = direction.largest(&from, of.plane);
-            let push = if largest > 0.0 {
-                let how = PushSettings::up_to(largest);
-                let along = [direction.vector(from.len())];
-                let found = least_pushes(dynamics, &from, along, &how, &of.settings, &of.options)?;
-                found.into_iter().flatten().next()
-            } else {
-                None
-            };
-            let beyond = push.as_ref().map(|push| of.numbered(&push.beyond));
-            Ok(PushRow {
-                attractor,
-                direction: direction.text.clone(),
-                from,
-                largest,
-                push,
-                beyond,
-            })
-        };
-        let rows: Result<Vec<PushRow>, stickslip::Error> = cases.into_par_iter().map(row).collect();
-        let rows = rows.map_err(|error| Failure::from(error).of(of.system))?;
-        for row in &rows {
-            let words = match (&row.push, &row.beyond) {
-                (Some(push), Some(beyond)) => {
-                    format!(
-                        "{}, to {}",
-                        within(push.size, push.uncertainty),
-                        name_of(*beyond)
-                    )
-                }
-                _ if row.largest > 0.0 => {
-                    format!("none up to {}, where the plane ends", readable(row.largest))
-                }
-                _ => "not tried, as the attractor lies outside the plane".to_owned(),
-            };
-            report.note(format!(
-                "push from attractor {} along {}: {words}",
-                row.attractor, row.direction
-            ));
-        }
-        let size = |row: &&PushRow| row.push.as_ref().map(|push| push.size);
-        let table = Table::new()
-            .column("attractor", |row: &&PushRow| row.attractor)
-            .column("direction", |row| row.direction.clone())
-            .column("push", size)
-            .column("uncertainty", |row| Some(row.push.as_ref()?.uncertainty))
-            .column("beyond", |row| row.beyond?.0)
-            .column("beyond_motion", |row| Some(row.beyond?.1))
-            .column("largest", |row| row.largest)
-            .state(of.system, "", |row| row.from.clone());
-        report.field("pushes", table.json(&rows));
-        report.table(table.csv("pushes", &rows)?);
-        Ok(())
-    }
 }
 
 impl Measured<'_> {
     /// Number of an attractor, if it is one of these, and its motion.
-    fn numbered(&self, reached: &Attractor) -> (Option<usize>, &'static str) {
+    pub(super) fn numbered(&self, reached: &Attractor) -> (Option<usize>, &'static str) {
         let distinct = Attractors::new(self.system.dynamics(), &self.settings, &self.options);
         let mut all = self.attractors.iter();
         let known = all.find(|one| distinct.is_same(&one.reached, reached));
@@ -371,13 +166,13 @@ impl Measured<'_> {
 }
 
 /// An attractor in words.
-fn name_of((number, motion): (Option<usize>, &'static str)) -> String {
+pub(super) fn name_of((number, motion): (Option<usize>, &'static str)) -> String {
     number.map_or_else(|| motion.to_owned(), |number| format!("attractor {number}"))
 }
 
 /// The numbers of the attractors, with a state of each at time 0. Orbits are followed only to the
 /// neighbourhood of an equilibrium, whose point is more accurate.
-fn states_of(of: &Measured<'_>) -> Vec<(usize, Vector)> {
+pub(super) fn states_of(of: &Measured<'_>) -> Vec<(usize, Vector)> {
     let each = of.attractors.iter().filter_map(|one| {
         let state = match one.reached.kind {
             AttractorKind::Equilibrium => &one.reached.points.first()?.x,
@@ -454,159 +249,4 @@ fn dimension(reached: &[usize], shape: &[usize], report: &mut Report) -> Result<
         .column("uncertain", |row| row.1);
     report.table(table.csv("uncertain", &found.fractions)?);
     Ok(())
-}
-
-fn edges(of: &Measured<'_>, report: &mut Report) -> Result<Vec<EdgeShown>, Failure> {
-    let states = states_of(of);
-    let pairs = states.iter().enumerate().flat_map(|(k, one)| {
-        let others = states[k + 1..].iter();
-        others.map(move |other| (one, other))
-    });
-    let pairs: Vec<_> = pairs.collect();
-    let dynamics = of.system.dynamics();
-    let how = EdgeSettings::within(of.settings.longest);
-    let row = |((one, from), (other, to)): (&(usize, Vector), &(usize, Vector))| {
-        let state = edge_state(dynamics, from, to, &how, &of.settings, &of.options)?;
-        let beyond = of.numbered(&state.beside[1]);
-        Ok(EdgeRow {
-            between: [*one, *other],
-            state,
-            beyond,
-        })
-    };
-    let rows: Result<Vec<EdgeRow>, stickslip::Error> = pairs.into_par_iter().map(row).collect();
-    let rows = rows.map_err(|error| Failure::from(error).of(of.system))?;
-    for row in &rows {
-        let [one, other] = row.between;
-        let beyond = match row.beyond.0 {
-            Some(number) if number == other => String::new(),
-            _ => format!(" (towards {other}, {} comes first)", name_of(row.beyond)),
-        };
-        let words = match (row.state.kind, row.period()) {
-            (EdgeKind::Undecided, _) => "not found in the time of --until".to_owned(),
-            (_, period) => format!(
-                "{}{} through {}, with unstable directions: {}",
-                row.motion(),
-                period.map_or(String::new(), |period| format!(
-                    ", period {}",
-                    readable(period)
-                )),
-                state_words(row.state.x.as_slice()),
-                row.state.unstable
-            ),
-        };
-        report.note(format!(
-            "edge of attractor {one} towards {other}{beyond}: {words}"
-        ));
-    }
-    let json = rows.iter().map(|row| {
-        json!({
-            "between": row.between,
-            "beyond": row.beyond.0,
-            "beyond_motion": row.beyond.1,
-            "motion": row.motion(),
-            "period": row.period(),
-            "unstable": row.state.unstable,
-            "x": by_state(of.system, row.state.x.as_slice()),
-            "bisections": row.state.bisections,
-        })
-    });
-    report.field("edges", json.collect::<Value>());
-    let table = Table::new()
-        .column("attractor", |row: &&EdgeRow| row.between[0])
-        .column("towards", |row| row.between[1])
-        .column("beyond", |row| row.beyond.0)
-        .column("beyond_motion", |row| row.beyond.1)
-        .column("motion", |row| row.motion())
-        .column("period", |row| row.period())
-        .column("unstable", |row| row.state.unstable)
-        .column("bisections", |row| row.state.bisections)
-        .state(of.system, "", |row| row.state.x.clone());
-    report.table(table.csv("edges", &rows)?);
-    type Tracked<'r> = (&'r EdgeRow, &'r Moment);
-    let table = Table::new()
-        .column("attractor", |row: &Tracked<'_>| row.0.between[0])
-        .column("towards", |row| row.0.between[1])
-        .column("t", |row| row.1.t)
-        .state(of.system, "", |row| row.1.x.clone());
-    let tracked = rows
-        .iter()
-        .flat_map(|row| row.state.track.iter().map(move |at| (row, at)));
-    report.table(table.csv("tracks", tracked)?);
-    let place = |x: &Vector| {
-        let [first, second] = of.plane.map(|range| x[range.state]);
-        (first, second)
-    };
-    let is_inside = |&(x, y): &(f64, f64)| {
-        let [first, second] = of.plane;
-        (first.low..=first.high).contains(&x) && (second.low..=second.high).contains(&y)
-    };
-    let shown = rows.iter().map(|row| EdgeShown {
-        track: row.state.track.iter().map(|at| place(&at.x)).collect(),
-        state: Some(place(&row.state.x)).filter(is_inside),
-    });
-    Ok(shown.collect())
-}
-
-/// Times to return of the starts of one attractor.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Returns {
-    /// Number of starts with a time.
-    starts: usize,
-    mean: f64,
-    /// Sum of the squares of the distances from the mean.
-    squares: f64,
-    largest: f64,
-    /// The start with the largest time.
-    slowest: Vec<f64>,
-}
-
-impl Returns {
-    pub(super) fn add(&mut self, start: &[f64], time: f64) {
-        self.starts += 1;
-        // Welford's update: no difference of large sums.
-        let off = time - self.mean;
-        self.mean += off / self.starts as f64;
-        self.squares += off * (time - self.mean);
-        if time > self.largest || self.starts == 1 {
-            self.largest = time;
-            self.slowest = start.to_vec();
-        }
-    }
-
-    pub(super) fn mean(&self) -> Option<f64> {
-        (self.starts > 0).then_some(self.mean)
-    }
-
-    /// Standard error of the mean, as of random starts.
-    pub(super) fn std_error(&self) -> Option<f64> {
-        let n = self.starts as f64;
-        (self.starts > 1).then(|| (self.squares / (n - 1.0) / n).sqrt())
-    }
-
-    pub(super) fn largest(&self) -> Option<f64> {
-        (self.starts > 0).then_some(self.largest)
-    }
-
-    /// Time to return in words.
-    pub(super) fn words(&self, distance: f64) -> Option<String> {
-        Some(format!(
-            "returns within {} after {} on average, {} at most, from {}",
-            readable(distance),
-            within(self.mean()?, self.std_error().unwrap_or(f64::INFINITY)),
-            readable(self.largest),
-            state_words(&self.slowest)
-        ))
-    }
-
-    pub(super) fn json(&self, distance: f64) -> Value {
-        json!({
-            "within": distance,
-            "starts": self.starts,
-            "mean": self.mean(),
-            "std_error": self.std_error(),
-            "largest": self.largest(),
-            "slowest": self.slowest,
-        })
-    }
 }

@@ -1,6 +1,9 @@
 //! `stickslip basin`: which attractor each of many starts leads to.
 
+mod edges;
 mod measures;
+mod pushes;
+mod returns;
 mod starts;
 
 use std::num::NonZeroUsize;
@@ -19,7 +22,9 @@ use super::{attractors, figures};
 use crate::failure::{Failure, in_words};
 use crate::render::{CommandOutput, Report, Table, state_words};
 use crate::sweep::{Store, SweepError};
-use measures::{EdgeShown, Measured, Measures, Returns};
+use edges::EdgeShown;
+use measures::{Measured, Measures};
+use returns::Returns;
 use starts::Points;
 use stickslip_model::file::System;
 use stickslip_model::study::{recurrence, reported};

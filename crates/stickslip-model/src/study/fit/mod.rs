@@ -24,9 +24,9 @@ use stickslip::{Error, Options};
 pub use errors::FitError;
 use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
-pub use statistics::RunsTest;
+pub use statistics::{RunsTest, quantile, runs_test};
 pub use uncertainty::FitUncertainty;
-use work::Work;
+use work::FitWork;
 
 use crate::file::SystemFile;
 
@@ -220,7 +220,7 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         tolerance: TOLERANCE,
         most_evaluations: request.most_evaluations.max(1),
     };
-    let work = Work::of_at_most(settings.most_evaluations);
+    let work = FitWork::of_at_most(settings.most_evaluations);
     let given = problem.unknowns.start();
     let starts = match request.search {
         0 => {
@@ -277,7 +277,7 @@ fn finished(
     problem: &mut FitProblem<'_>,
     mut best: LeastSquares<Sequence>,
     settings: &LeastSquaresSettings,
-    mut work: Work,
+    mut work: FitWork,
     others: Vec<LeastSquares<Sequence>>,
 ) -> Result<Fit, FitError> {
     work.add(&best);

@@ -5,7 +5,7 @@ use stickslip::analysis::LeastSquares;
 use super::problem::{FitProblem, Sequence};
 use super::statistics::runs_test;
 use super::uncertainty::FitUncertainty;
-use super::work::Work;
+use super::work::FitWork;
 use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
 
 /// Error of a run over its tolerance, below which signs of residuals say nothing.
@@ -15,7 +15,7 @@ impl FitProblem<'_> {
     pub(super) fn result(
         &self,
         best: &LeastSquares<Sequence>,
-        work: Work,
+        work: FitWork,
         uncertainty: FitUncertainty,
         others: Vec<OtherMinimum>,
     ) -> Result<Fit, FitError> {

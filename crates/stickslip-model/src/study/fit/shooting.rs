@@ -10,7 +10,7 @@ use stickslip::dynamics::Vector;
 use super::parts::PartStart;
 use super::problem::{FitProblem, Sequence};
 use super::record_run::Failed;
-use super::work::Work;
+use super::work::FitWork;
 use super::{Fit, FitError, FitUncertainty, finished};
 
 /// Weights of a mismatch over the spread of the state before the parts meet, from that of data with
@@ -41,7 +41,7 @@ pub(super) fn fit_in_parts(
     problem: &mut FitProblem<'_>,
     x: &Vector,
     settings: &LeastSquaresSettings,
-    mut work: Work,
+    mut work: FitWork,
 ) -> Result<Fit, FitError> {
     let segments = problem.request.segments;
     let (mut parts, begun) = problem.in_parts(x, segments)?;
@@ -86,7 +86,7 @@ pub(super) fn fit_in_parts(
 
 /// The point with the start of each part fitted alone, with the parameters held: from the best of
 /// its candidates.
-fn starts_alone(parts: &FitProblem<'_>, mut x: Vector, work: &mut Work) -> Vector {
+fn starts_alone(parts: &FitProblem<'_>, mut x: Vector, work: &mut FitWork) -> Vector {
     let nodes = parts.parts.as_ref().map_or(&[][..], |parts| &parts.nodes);
     let most = work.left();
     let alone = nodes
@@ -142,7 +142,7 @@ fn relaxed(
     parts: &FitProblem<'_>,
     x: Vector,
     weight: f64,
-    work: &mut Work,
+    work: &mut FitWork,
 ) -> Result<Vector, FitError> {
     let count = MOST_EVALUATIONS.min(work.left());
     if count == 0 {
@@ -175,7 +175,7 @@ fn relaxed(
 pub(super) fn matched(
     parts: &FitProblem<'_>,
     x: &Vector,
-    work: &mut Work,
+    work: &mut FitWork,
 ) -> Result<LeastSquares<Sequence>, FitError> {
     let settings = LeastSquaresSettings {
         bounds: parts.unknowns.bounds(),

@@ -169,7 +169,7 @@ fn a_part_without_a_run_is_named() {
     request.segments = 3;
     let problem = FitProblem::new(&request).unwrap();
     let (parts, mut x) = problem.in_parts(&problem.unknowns.start(), 3).unwrap();
-    let mut work = Work::of_at_most(20);
+    let mut work = FitWork::of_at_most(20);
     assert!(shooting::matched(&parts, &x, &mut work).is_ok());
     let last = x.len() - 1;
     x[last] = 1e6;

@@ -4,7 +4,7 @@ use stickslip::analysis::LeastSquares;
 
 /// Steps and evaluations so far, of which there is a greatest number.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Work {
+pub(super) struct FitWork {
     most: usize,
     pub(super) steps: usize,
     pub(super) evaluations: usize,
@@ -13,12 +13,12 @@ pub(super) struct Work {
     pub(super) jumps: usize,
 }
 
-impl Work {
+impl FitWork {
     /// None, of at most so many evaluations.
     pub(super) fn of_at_most(most: usize) -> Self {
-        Work {
+        FitWork {
             most,
-            ..Work::default()
+            ..FitWork::default()
         }
     }
 

@@ -8,7 +8,7 @@ use crate::taylor::series::Expansion;
 
 /// State increment, slope and guards at the end of a step, as sums of series coefficients.
 #[derive(Clone, Copy)]
-pub(in crate::filippov) struct StepEnd<const N: usize, const G: usize> {
+pub(in crate::filippov) struct TaylorStepEnd<const N: usize, const G: usize> {
     /// Increment of the state over the step.
     pub(super) rise: State<N>,
     /// Slope at the end, per step length.
@@ -17,7 +17,7 @@ pub(in crate::filippov) struct StepEnd<const N: usize, const G: usize> {
     pub(super) guards: [f64; G],
 }
 
-/// [`StepEnd`] for several steps, one per lane.
+/// [`TaylorStepEnd`] for several steps, one per lane.
 pub(in crate::filippov) struct Ends<const L: usize, const N: usize, const G: usize> {
     rise: [Lanes<L>; N],
     slope: [Lanes<L>; N],
@@ -85,8 +85,8 @@ impl<const L: usize, const N: usize, const G: usize> Ends<L, N, G> {
     /// The end for one lane, or `None` unless the terms exclude a zero of every guard and every
     /// comparison in the step.
     #[inline(always)]
-    pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<StepEnd<N, G>> {
-        self.are_clear[lane].then(|| StepEnd {
+    pub(in crate::filippov) fn clear(&self, lane: usize) -> Option<TaylorStepEnd<N, G>> {
+        self.are_clear[lane].then(|| TaylorStepEnd {
             rise: State::from(self.rise.map(|rise| rise[lane])),
             slope: State::from(self.slope.map(|slope| slope[lane])),
             guards: self.guards.map(|guard| guard[lane]),

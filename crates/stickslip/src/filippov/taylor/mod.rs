@@ -7,7 +7,7 @@ mod step_series;
 mod step_size;
 
 pub(super) use end::Ends;
-use end::{StepEnd, sums};
+use end::{TaylorStepEnd, sums};
 use kink::{BranchTie, Reversals, guard_jump};
 use step_series::{StepPolynomial, StepSeries, origin, powers};
 pub(super) use step_size::{MAX_GROWTH, step_ratio};
@@ -51,7 +51,7 @@ pub(crate) struct TaylorStepper<const N: usize, const G: usize> {
     choices: Vec<StepPolynomial>,
     /// End of the step. If no guard and no comparison can vanish in the step, it is clear, and no
     /// coefficients are copied.
-    end_of_step: StepEnd<N, G>,
+    end_of_step: TaylorStepEnd<N, G>,
     is_clear: bool,
     /// Whether the step ends at the end time.
     is_last: bool,
@@ -114,7 +114,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             },
             guards: [[0.0; MAX_COEFFICIENTS]; G],
             choices: Vec::new(),
-            end_of_step: StepEnd {
+            end_of_step: TaylorStepEnd {
                 rise: origin().x,
                 slope: origin().x,
                 guards: [0.0; G],
@@ -207,7 +207,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         run: &StepState<N, G>,
         series: &Series<L>,
         (lane, ratio): (usize, f64),
-        end: Option<StepEnd<N, G>>,
+        end: Option<TaylorStepEnd<N, G>>,
     ) {
         let order = self.step_series.order;
         (

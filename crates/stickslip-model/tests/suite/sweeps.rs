@@ -1,0 +1,134 @@
+//! Attractors followed along a parameter, and the changes between them.
+
+use stickslip::Error;
+use stickslip::analysis::{AttractorChange, AttractorKind, CycleBifurcation, WhatChanges};
+use stickslip_model::file::System;
+use stickslip_model::study::{AtValue, Diagram, Locates};
+
+use crate::run::{options, system, with};
+
+type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+/// The results at values of a parameter in their order, and the changes between them.
+fn swept(
+    system: &System,
+    parameter: &str,
+    values: &[f64],
+    until: f64,
+) -> (Vec<AtValue>, Vec<AttractorChange>) {
+    let diagram = Diagram {
+        system,
+        parameter,
+        until,
+        duration: None,
+        locates: Locates::default(),
+        values: values.len() as u64,
+        options: &options("taylor"),
+    };
+    let start = |here: &System| Ok::<_, Failure>(here.start().unwrap());
+    let described = |error: &Error, _: &System| error.to_string();
+    let (mut found, mut changes) = (Vec::<AtValue>::new(), Vec::new());
+    for &value in values {
+        let at = diagram.at(value, found.last(), start, &described);
+        let (at, between) = at.unwrap();
+        found.push(at);
+        changes.extend(between);
+    }
+    (found, AttractorChange::merged(changes))
+}
+
+/// The changes between values of a parameter, with rising and with falling values.
+fn both_ways(system: &System, parameter: &str, mut values: Vec<f64>) -> [Vec<AttractorChange>; 2] {
+    let up = swept(system, parameter, &values, 2000.0).1;
+    values.reverse();
+    [up, swept(system, parameter, &values, 2000.0).1]
+}
+
+#[test]
+fn the_edge_of_the_region_without_stops_is_located_by_sweeps() {
+    let den_hartog = with(super::branches::DEN_HARTOG, &[("S", 0.5)]);
+    let known = super::branches::frequency_of_the_edge(0.5);
+    let values = (0..9).map(|k| 0.5 + 0.05 * f64::from(k)).collect();
+    for changes in both_ways(&den_hartog, "O", values) {
+        let located = changes.iter().filter_map(|change| match &change.what {
+            WhatChanges::Sequence(change) => Some(change.parameter),
+            _ => None,
+        });
+        let off = located.fold(f64::INFINITY, |off, at| off.min((at - known).abs()));
+        assert!(off < 1e-9, "{off:e}: {changes:?}");
+    }
+}
+
+/// The only change both ways is a boundary-equilibrium bifurcation at `exact`.
+fn meets_the_boundary(system: &System, parameter: &str, values: [f64; 2], exact: f64) {
+    for changes in both_ways(system, parameter, values.to_vec()) {
+        let [change] = &changes[..] else {
+            panic!("{changes:?}");
+        };
+        let WhatChanges::BoundaryEquilibrium { parameter, .. } = change.what else {
+            panic!("{change:?}");
+        };
+        assert!((parameter - exact).abs() < 1e-12, "{parameter}");
+    }
+}
+
+#[test]
+fn an_end_in_an_equilibrium_on_the_boundary_is_located_by_sweeps() {
+    let lags = system(super::branches::LAGS);
+    meets_the_boundary(&lags, "b", [0.95, 1.05], 1.0);
+    // On the boundary itself the run does not end in accumulating transitions.
+    let on_it = with(super::branches::LAGS, &[("b", 1.0)]);
+    let start = on_it.start().unwrap();
+    let search = crate::run::SEARCH.orbit(&on_it, (0.0, &start), &options("taylor"));
+    let error = search.unwrap_err().to_string();
+    let equilibrium = "comes to the equilibrium (1, 1, 1)";
+    assert!(error.contains(equilibrium), "{error}");
+}
+
+#[test]
+fn a_wide_orbit_that_ends_in_an_equilibrium_on_the_boundary_does_not_graze() {
+    let ocean = system(super::branches::OCEAN);
+    for values in [[-0.07, -0.065], [-0.09, -0.03]] {
+        meets_the_boundary(&ocean, "eps", values, -1.0 / 15.0);
+    }
+}
+
+/// The logistic map as a jump once in a period. Its period doubles at 1 + √6 in both directions.
+#[test]
+fn a_flip_has_one_name_in_both_directions() {
+    let text = "name = \"logistic\"\n[states]\nx = \"\"\n[parameters]\nr = 3.3\n[jumps.map]\n\
+                when = \"sin(2*pi*(t - 0.3))\"\ndirection = \"rising\"\n\
+                set = { x = \"exp(0.05)*r*x*(1 - x)\" }\n[field]\nx = \"-0.05*x\"\n[start]\n\
+                x = 0.3\n[time]\nperiod = 1\n";
+    for changes in both_ways(&system(text), "r", vec![3.4, 3.44, 3.48]) {
+        let [change] = &changes[..] else {
+            panic!("{changes:?}");
+        };
+        let WhatChanges::Multiplier {
+            what, parameter, ..
+        } = &change.what
+        else {
+            panic!("{change:?}");
+        };
+        assert_eq!(*what, CycleBifurcation::Flip);
+        let off = parameter - (1.0 + 6.0_f64.sqrt());
+        assert!(off.abs() < 1e-12, "{off:e}");
+    }
+}
+
+/// Period one below the flip at 24.5166, period two above it. Each run starts from the previous
+/// value's end.
+#[test]
+fn a_sweep_goes_on_from_the_state_behind_a_kink() {
+    let buck = system(super::hybrid::BUCK);
+    for values in [[22.0, 27.0], [27.0, 22.0]] {
+        let (found, _) = swept(&buck, "E", &values, 0.4);
+        for at in found {
+            let expected = if at.value < 24.0 { 400e-6 } else { 800e-6 };
+            let AttractorKind::Periodic { period, .. } = at.reached.kind else {
+                panic!("{:?}", at.reached.kind);
+            };
+            assert!((period - expected).abs() < 1e-12, "{}: {period}", at.value);
+        }
+    }
+}
