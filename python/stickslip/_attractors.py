@@ -461,8 +461,8 @@ def bifurcation_diagram(
         Time over which the largest Lyapunov exponent is measured. Default: no measurement.
     locate : {"periodic", "all", "none"}, optional
         Which changes of the attractor are located and named. "periodic": those of orbits of few
-        loops, in about as many integration steps as the attractors take, and 250 000 more; what is
-        left out is named "not followed". "all": each, however long it takes. True is "periodic",
+        loops, in about as many integration steps as the attractors take, and 1 000 000 more; what
+        is left out is named "not followed". "all": each, however long it takes. True is "periodic",
         False "none".
     progress : bool, optional
         Whether to show the number of finished values.

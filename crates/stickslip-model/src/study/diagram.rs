@@ -15,9 +15,13 @@ use crate::file::{SettingError, System};
 /// is less accurate than the orbit by the slope of the event function.
 const LOCATION_TOLERANCE: f64 = 1e-13;
 
-/// Integration steps that locating changes may take besides those of the attractors. Chosen: about
-/// a second, so that short sweeps locate theirs.
-const STEPS_AT_START: u64 = 250_000;
+/// Integration steps that locating changes may take besides those of the attractors. Chosen: one to
+/// two seconds, so that short sweeps locate theirs.
+const STEPS_AT_START: u64 = 1_000_000;
+
+/// The changes between two values may take the steps that are left, divided by this. Chosen: a
+/// branch that never ends leaves half of them to the pairs of values behind it.
+const PART_FOR_PAIR: u64 = 2;
 
 /// Selection of the changes of an attractor along a parameter that are located.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -137,7 +141,7 @@ impl Diagram<'_> {
         };
         let budget = match self.locates {
             Locates::Nothing => return Ok((found, Vec::new())),
-            Locates::Periodic => Some(StepBudget::of(found.unspent)),
+            Locates::Periodic => Some(StepBudget::of(found.unspent / PART_FOR_PAIR)),
             Locates::All => None,
         };
         let changes = match last {
@@ -145,7 +149,7 @@ impl Diagram<'_> {
             None => Vec::new(),
         };
         if let Some(budget) = budget {
-            found.unspent = budget.left();
+            found.unspent -= found.unspent / PART_FOR_PAIR - budget.left();
         }
         Ok((found, changes))
     }

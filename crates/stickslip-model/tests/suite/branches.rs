@@ -177,7 +177,7 @@ fn a_branch_of_orbits_with_stops_ends_at_neither_side_too_early() {
 /// Den Hartog's orbit at S = 0.2 where its stick begins at the edge. It is released at x = -A with
 /// cos(O t) = S - A, and comes to rest at x = A with cos(O t) = A - S. The multiplier is 1 there.
 /// So rounding leaves nearby orbits open by 1e-5, and a location there uncertain by 1e-6. From afar
-/// it is at least a hundred times as precise.
+/// it is at least a thousand times as precise.
 #[test]
 fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     // From Newton's iteration with 40 digits; the test checks the equations.
@@ -194,7 +194,8 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
     let v = slope * cos - begin * sin - forced * FREQUENCY * math::sin(FREQUENCY * rest);
     assert!((x - AMPLITUDE).abs() < 1e-14 && v.abs() < 1e-14, "{x} {v}");
 
-    for (low, high) in [(0.2, 0.8), (0.4, 0.8), (0.35, 0.72)] {
+    // Where the last orbit before the change lies depends on the range.
+    for (low, high) in [(0.2, 0.8), (0.4, 0.8), (0.35, 0.72), (0.39, 0.8)] {
         let (_, branch) = followed(DEN_HARTOG, &[("O", 0.7)], ("O", low, high));
         let all = branch.special.iter();
         let switching = all.filter(|at| at.what.to_string() == "switching-sliding");
@@ -203,7 +204,7 @@ fn a_change_at_which_the_multiplier_is_one_is_located_from_afar() {
         };
         let off = (at.parameter - FREQUENCY).abs();
         assert!(
-            off < 1e-9 && off <= at.uncertainty && at.uncertainty < 1e-8,
+            off < 1e-10 && off <= at.uncertainty && at.uncertainty < 1e-9,
             "{low}: {off} {}",
             at.uncertainty
         );

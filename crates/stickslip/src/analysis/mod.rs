@@ -8,6 +8,7 @@ mod continuation;
 mod critical;
 mod cycle;
 mod derivatives;
+mod elimination;
 mod instant;
 mod lagrange;
 mod least_squares;

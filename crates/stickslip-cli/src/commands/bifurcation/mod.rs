@@ -79,7 +79,7 @@ enum Locate {
     /// Every orbit is followed, however long it takes
     All,
     /// Orbits of few loops are followed, in about as many integration steps as the attractors take,
-    /// and 250000 more
+    /// and 1000000 more
     #[default]
     Periodic,
     /// No orbit is followed

@@ -40,6 +40,8 @@ pub(in crate::analysis) struct Continuation<'a> {
     pub(super) junction: Option<Junction>,
     /// The flips, where branches that begin there are followed, too.
     pub(super) flips: Option<Vec<Junction>>,
+    /// Whether the first orbit lies on another branch, too.
+    pub(super) begins_on_other: bool,
 }
 
 /// Whether a special orbit is of the kind at which to stop.
@@ -141,6 +143,7 @@ impl<'a> Continuation<'a> {
             wanted: None,
             junction: None,
             flips: None,
+            begins_on_other: false,
         }
     }
 

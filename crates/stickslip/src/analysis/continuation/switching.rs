@@ -136,6 +136,7 @@ fn switched(
         let begun = (start.clone(), secant.or(Some(tangent)));
         let mut other = Continuation::from_orbit(shooting, settings, units, begun);
         other.flips = (depth > 1).then(Vec::new);
+        other.begins_on_other = true;
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));
         let flips = other.flips.take().unwrap_or_default();
         let mut branch = other.into_branch(stop);
@@ -166,12 +167,8 @@ fn switched(
 /// The direction in which another branch leaves an orbit at which the equations have two tangents:
 /// across a tangent or, where that is not given, the one along which the parameter does not change.
 fn across(cycle: &Cycle, tangent: Option<&TangentLine>) -> Option<Vector> {
-    let count = cycle.jacobian.ncols();
-    let square = cycle.jacobian.clone().resize_vertically(count, 0.0);
-    let parts = square.svd(false, true);
-    let rows = parts.v_t?;
-    let [one, two] =
-        [count.checked_sub(1)?, count.checked_sub(2)?].map(|k| rows.row(k).transpose());
+    let mut directions = cycle.jacobian.least_determined()?.into_iter();
+    let [one, two] = [directions.next()?, directions.next()?].map(|(_, direction)| direction);
     let number = cycle.outline.begin.x.len() - 1;
     let of = |vector: &Vector| match tangent {
         Some(line) => line.across().dot(vector),

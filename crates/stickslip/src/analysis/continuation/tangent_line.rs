@@ -1,8 +1,8 @@
 //! The tangent of a branch, along which the next orbit is sought.
 
 use super::{parameter_of, with_parameter};
-use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, unit};
-use crate::dynamics::{Matrix, Vector};
+use crate::analysis::cycle::{Cycle, Outline, Path, Shooting};
+use crate::dynamics::Vector;
 
 /// The line through an orbit along which the next one is sought. Newton's iteration stays in a
 /// plane across it.
@@ -51,19 +51,10 @@ impl Units {
         let durations = std::iter::repeat_n(by_period, count);
         let all = states.iter().copied().chain(durations).chain([of_begin]);
         // The states at the cuts follow from these.
-        let others = cycle.jacobian.ncols() - (n + count + 1);
+        let others = cycle.outline.unknowns().len() - (n + count + 1);
         let all = all.chain(std::iter::repeat_n(0.0, others));
         Vector::from_vec(all.collect())
     }
-}
-
-/// The derivative of an orbit's equations with a row appended.
-pub(super) fn bordered(cycle: &Cycle, row: &Vector) -> Matrix {
-    let rows = cycle.jacobian.nrows();
-    let mut matrix = cycle.jacobian.clone().insert_row(rows, 0.0);
-    let row = row.clone().resize_vertically(matrix.ncols(), 0.0);
-    matrix.set_row(rows, &row.transpose());
-    matrix
 }
 
 impl TangentLine {
@@ -75,14 +66,8 @@ impl TangentLine {
         cycle: &Cycle,
         row: &Vector,
     ) -> Option<Self> {
-        let matrix = bordered(cycle, row);
-        let rows = matrix.nrows();
-        let line = TangentLine::along(
-            shooting,
-            units,
-            cycle,
-            matrix.lu().solve(&unit(rows, rows - 1))?,
-        )?;
+        let direction = cycle.jacobian.with_row(row).tangent()?;
+        let line = TangentLine::along(shooting, units, cycle, direction)?;
         if shooting.family == 0 {
             return Some(line);
         }

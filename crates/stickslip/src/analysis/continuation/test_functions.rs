@@ -1,7 +1,7 @@
 //! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
 use super::steps::Continuation;
-use super::tangent_line::{TangentLine, bordered};
+use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{
@@ -27,7 +27,9 @@ impl Continuation<'_> {
         let (units, across) = (self.branch.units, line.across());
         let heading = |cycle: &Cycle| Some(line.continued(&shooting, units, cycle)?.heading());
         // Zero where another branch crosses this one (Keller 1977).
-        let border = |cycle: &Cycle| Some(bordered(cycle, across).determinant());
+        let determinant = |cycle: &Cycle| cycle.jacobian.with_row(across).determinant();
+        let size = determinant(&self.branch.last).exponent;
+        let border = |cycle: &Cycle| Some(determinant(cycle).over_power(size));
         let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
         let circle = |cycle: &Cycle| of(cycle).circle;
         let functions: [&SolutionFunction<'_>; 4] = [&heading, &border, &minus_one, &circle];
@@ -37,8 +39,19 @@ impl Continuation<'_> {
         let flip = self.flip_of_half(line, &next);
         let has_one_tangent = shooting.family == 0 && flip.is_none();
         let first = if has_one_tangent { 0 } else { 2 };
+        // Where two branches meet, the equations leave the tangent undetermined. The rate there is
+        // that of the parabola through both orbits with the tangent at the other one.
+        let chord = (parameter_of(&next) - self.parameter()) / length;
+        let is_undetermined = self.begins_on_other && self.branch.points.len() == 1;
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
-            let (Some(a), Some(b)) = (function(&self.branch.last), function(&next)) else {
+            let Some(b) = function(&next) else {
+                continue;
+            };
+            let a = match kind {
+                0 if is_undetermined => Some(2.0 * chord - b),
+                _ => function(&self.branch.last),
+            };
+            let Some(a) = a else {
                 continue;
             };
             if a * b >= 0.0 {
@@ -167,7 +180,7 @@ impl Continuation<'_> {
         }
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let rough = direct.as_ref().map_or(secant, |zero| zero.s);
-        let interpolated = self.interpolated(line, b.0 - a.0, rough, function);
+        let interpolated = self.interpolated_from_afar(line, (b.0 - a.0, rough), function, precise);
         let (Some(direct), Some(interpolated)) = (&direct, &interpolated) else {
             return direct.or(interpolated);
         };
@@ -180,6 +193,30 @@ impl Continuation<'_> {
             solution: direct.solution.clone(),
             ..*direct
         })
+    }
+
+    /// [`Continuation::interpolated`], with the parameter from orbits ever farther away, as long as
+    /// that makes it more precise and it is not precise enough. Next to a multiplier of 1, the
+    /// closing errors of orbits fall with their distance; the error of the polynomial rises with
+    /// it.
+    fn interpolated_from_afar(
+        &self,
+        line: &TangentLine,
+        (mut length, rough): (f64, f64),
+        function: &Function<'_>,
+        precise: f64,
+    ) -> Option<Zero> {
+        let mut best = self.interpolated(line, length, rough, function)?;
+        while best.uncertainty > precise {
+            length *= 2.0;
+            match self.interpolated(line, length, best.s, function) {
+                Some(wider) if wider.uncertainty < best.uncertainty => {
+                    (best.parameter, best.uncertainty) = (wider.parameter, wider.uncertainty);
+                }
+                _ => break,
+            }
+        }
+        Some(best)
     }
 
     /// Zero of a function near a place, by a polynomial through orbits around it. Where

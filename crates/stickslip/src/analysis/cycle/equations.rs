@@ -1,5 +1,6 @@
 //! The equations for a periodic orbit as segments, with their derivatives by the unknowns.
 
+use super::jacobian::{Jacobian, Part, Row};
 use super::pieces::{FlowDerivative, Piece};
 use super::{Outline, Segment, SegmentKind, Shooting, ULPS, unit};
 use crate::dynamics::{Matrix, Moment, Vector};
@@ -8,7 +9,7 @@ use crate::math::product;
 
 /// An equation: its residual, the derivative of that by the unknowns, and its change per unit of
 /// the states.
-type Equation = (f64, Vector, f64);
+type Equation = (f64, Row, f64);
 
 /// Parts assembled from the segments before the present moment.
 struct Assembly<'a> {
@@ -16,9 +17,11 @@ struct Assembly<'a> {
     outline: &'a Outline,
     options: &'a Options,
     at: Moment,
-    /// The derivatives of state and time by the unknowns.
+    /// The derivatives of state and time by the state and the time with which the present piece
+    /// begins, and by the duration of its segment.
     of_state: Matrix,
     of_time: Vector,
+    parts: Vec<Part>,
     pieces: Vec<Piece>,
     /// The derivative of the flow over each piece, with the saltation at its end.
     maps: Vec<FlowDerivative>,
@@ -37,6 +40,20 @@ impl Assembly<'_> {
         self.outline.begin.x.len() + self.outline.segments.len()
     }
 
+    /// The derivative of an equation of the present piece, from that by its beginning and duration,
+    /// with further ones.
+    fn row(&self, by: &Vector, others: &[(usize, f64)]) -> Row {
+        let n = self.at.x.len();
+        let number = self.parts.len() - 1;
+        let duration = n + self.parts[number].segment;
+        let of_state = (0..n).map(|i| (self.base + i, by[i]));
+        let entries = of_state.chain([(duration, by[n + 1])]);
+        Row {
+            entries: entries.chain(others.iter().copied()).collect(),
+            in_time: Some((number, by[n])),
+        }
+    }
+
     /// Integrates a share of a segment.
     fn through(&mut self, number: usize, share: f64) -> Option<Piece> {
         let segment = &self.outline.segments[number];
@@ -53,13 +70,19 @@ impl Assembly<'_> {
             .flow_derivative(segment, &piece)
             .filter(|_| has_landed)?;
         let total = map.total();
-        let base = (&self.of_state, &self.of_time);
+        let base = (&Matrix::identity(n, n + 2), &unit(n + 2, n));
         self.of_state = self.shooting.moved(segment, &piece, &total, base);
-        self.of_time[n + number] += share;
+        self.of_time = unit(n + 2, n);
         // A longer duration makes it longer by its share.
+        self.of_time[n + 1] = share;
         for (i, rate) in map.velocity.iter().enumerate() {
-            self.of_state[(i, n + number)] += rate * share;
+            self.of_state[(i, n + 1)] += rate * share;
         }
+        self.parts.push(Part {
+            segment: number,
+            share,
+            state: self.base,
+        });
         self.growth = self.growth.max(self.of_state.amax()).max(total.amax());
         self.maps.push(map);
         self.at = piece.end.clone();
@@ -71,16 +94,13 @@ impl Assembly<'_> {
         let state = self.outline.cut.as_ref()?.states.get(number)?;
         let n = state.len();
         let place = self.time() + 1 + number * n;
-        let mut by_cut = Matrix::zeros(n, self.of_state.ncols());
-        by_cut.columns_mut(place, n).fill_with_identity();
         let gap = &self.at.x - state;
-        let rows = &self.of_state - &by_cut;
         for i in 0..n {
-            self.rows.push((gap[i], rows.row(i).transpose(), 1.0));
+            let row = self.row(&self.of_state.row(i).transpose(), &[(place + i, -1.0)]);
+            self.rows.push((gap[i], row, 1.0));
             self.unchanged.push([self.base + i, place + i]);
         }
         self.base = place;
-        self.of_state = by_cut;
         self.at.x.clone_from(state);
         Some(())
     }
@@ -92,7 +112,7 @@ impl Assembly<'_> {
         let by_time = in_time.abs() * self.outline.period() / self.shooting.extent;
         (
             value,
-            row,
+            self.row(&row, &[]),
             gradient.norm().max(by_time).max(f64::MIN_POSITIVE),
         )
     }
@@ -147,9 +167,7 @@ pub(super) struct ShootingEquations {
     pub residuals: Vector,
     pub largest: f64,
     /// Derivative of the residuals by the unknowns.
-    pub jacobian: Matrix,
-    /// The part of it that is due to changes of the state.
-    pub changes: Matrix,
+    pub jacobian: Jacobian,
     pub pieces: Vec<Piece>,
     pub monodromy: Matrix,
     /// Moment at which the orbit is cut.
@@ -174,14 +192,14 @@ impl Shooting<'_> {
         let cut = outline.cut.as_ref()?;
         let count = outline.segments.len();
         let time = n + count;
-        let unknowns = time + 1 + n * cut.states.len();
         let mut assembly = Assembly {
             shooting: self,
             outline,
             options,
             at: outline.begin.clone(),
-            of_state: Matrix::identity(n, unknowns),
-            of_time: unit(unknowns, time),
+            of_state: Matrix::identity(n, n + 2),
+            of_time: unit(n + 2, n),
+            parts: Vec::new(),
             pieces: Vec::new(),
             maps: Vec::new(),
             rows: Vec::new(),
@@ -216,7 +234,8 @@ impl Shooting<'_> {
         let ends = assembly.maps.last()?.velocity.clone();
         let gap = &assembly.at.x - &outline.begin.x;
         for i in 0..self.states {
-            let row = assembly.of_state.row(i).transpose() - unit(unknowns, i);
+            let by = assembly.of_state.row(i).transpose();
+            let row = assembly.row(&by, &[(i, -1.0)]);
             assembly.rows.push((gap[i], row, 1.0));
             assembly.unchanged.push([assembly.base + i, i]);
         }
@@ -226,8 +245,7 @@ impl Shooting<'_> {
         let by_time = outline.period() / self.extent;
         // The durations add up to the period of the forcing.
         if let Some(period) = self.forced {
-            let is_duration = |i: usize| i >= n && i < time;
-            let row = Vector::from_fn(unknowns, |i, _| f64::from(u8::from(is_duration(i))));
+            let row = Row::of((n..time).map(|duration| (duration, 1.0)));
             let off = outline.period() - period;
             assembly.rows.push((off, row, by_time));
         }
@@ -235,14 +253,15 @@ impl Shooting<'_> {
         // there.
         if self.forced.is_none() || !has_events {
             let off = outline.begin.t - guess.begin.t;
-            assembly.rows.push((off, unit(unknowns, time), by_time));
+            let row = Row::of([(time, 1.0)]);
+            assembly.rows.push((off, row, by_time));
         }
         for (number, segment) in outline.segments.iter().enumerate() {
             if let SegmentKind::Flight { share } = segment.kind {
                 let next = outline.segments[(number + 1) % count].duration;
                 let off = (1.0 - share) * segment.duration - share * next;
-                let part = |of: usize| unit(unknowns, n + of % count);
-                let row = part(number) * (1.0 - share) - part(number + 1) * share;
+                let next = n + (number + 1) % count;
+                let row = Row::of([(n + number, 1.0 - share), (next, -share)]);
                 assembly.rows.push((off, row, by_time));
             }
         }
@@ -250,12 +269,13 @@ impl Shooting<'_> {
             let along = begins.rows(0, self.states);
             let way = &outline.begin.x - &guess.begin.x;
             let value = along.dot(&way.rows(0, self.states));
-            let row = along.into_owned().resize_vertically(unknowns, 0.0);
+            let row = Row::of(along.iter().copied().enumerate());
             assembly.rows.push((value, row, f64::INFINITY));
         }
         if let Some((row, value)) = self.plane {
-            let row = row.clone().resize_vertically(unknowns, 0.0);
-            let (off, size) = (row.dot(&outline.unknowns()) - value, row.amax());
+            let first = outline.unknowns().resize_vertically(row.len(), 0.0);
+            let (off, size) = (row.dot(&first) - value, row.amax());
+            let row = Row::of(row.iter().copied().enumerate());
             assembly.rows.push((off, row, size));
         }
         let segment = &outline.segments[cut.number];
@@ -271,18 +291,14 @@ impl Shooting<'_> {
         let of_times = time * speed * (steps as f64).sqrt();
         let by_state = ULPS * steps as f64 * size;
         let rows = assembly.rows;
-        let jacobian = Matrix::from_fn(rows.len(), unknowns, |i, j| rows[i].1[j]);
-        let mut changes = jacobian.clone();
-        for (i, [from, to]) in assembly.unchanged.into_iter().enumerate() {
-            changes[(i, from)] -= 1.0;
-            changes[(i, to)] += 1.0;
-        }
         let sizes = rows.iter().map(|(value, _, size)| (value / size).abs());
+        let largest = sizes.fold(0.0, f64::max);
+        let residuals = Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0));
+        let rows = rows.into_iter().map(|(_, row, _)| row).collect();
         Some(ShootingEquations {
-            largest: sizes.fold(0.0, f64::max),
-            residuals: Vector::from_iterator(rows.len(), rows.iter().map(|row| row.0)),
-            jacobian,
-            changes,
+            largest,
+            residuals,
+            jacobian: Jacobian::new(outline, (assembly.parts, rows), assembly.unchanged),
             pieces: assembly.pieces,
             monodromy,
             anchor,

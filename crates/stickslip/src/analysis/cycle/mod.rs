@@ -7,6 +7,7 @@
 //! boundary, and a change of its phases is the zero of a margin along the branch.
 
 mod equations;
+mod jacobian;
 mod margin;
 mod minima;
 mod newton;
@@ -19,6 +20,7 @@ mod step_budget;
 
 use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
 use crate::filippov::Options;
+pub(super) use jacobian::Jacobian;
 pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
 pub(super) use outline::SegmentEnd;
@@ -77,7 +79,7 @@ pub(crate) struct Cycle {
     pub begins: Vec<Moment>,
     pub period: f64,
     /// The derivative of the equations by the unknowns.
-    pub jacobian: Matrix,
+    pub jacobian: Jacobian,
     /// The derivative of the flow map of the states over the period from the cut, with saltation at
     /// every event; in an autonomous system, transverse to the flow.
     pub monodromy: Matrix,

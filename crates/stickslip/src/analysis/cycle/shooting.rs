@@ -1,7 +1,7 @@
 //! Newton's iteration for a periodic orbit with a given sequence of modes.
 
 use super::equations::ShootingEquations;
-use super::newton::newton_solution;
+use super::newton::NewtonEquations;
 use super::pieces::Piece;
 use super::{
     Cut, Cycle, Outline, SegmentKind, Shooting, TOLERANCES, ULPS, closeness, segment_to_cut,
@@ -96,18 +96,15 @@ impl<'a> Shooting<'a> {
         for iterations in 1..=MOST_ITERATIONS {
             let equations = self.equations(&outline, guess, &bounded)?;
             let unknowns = outline.unknowns();
-            let (mut matrix, mut changes) = (equations.jacobian.clone(), equations.changes.clone());
+            let mut jacobian = equations.jacobian.clone();
             let mut right = -&equations.residuals;
             let mut is_on = true;
             if let Some((row, value)) = row {
-                let row = &row.clone().resize_vertically(unknowns.len(), 0.0);
-                let off = value - row.dot(&unknowns);
+                let first = unknowns.clone().resize_vertically(row.len(), 0.0);
+                let off = value - row.dot(&first);
                 is_on = off.abs() <= by_tolerance.min(1e-12) * row.amax();
-                let rows = matrix.nrows();
-                for matrix in [&mut matrix, &mut changes] {
-                    *matrix = std::mem::take(matrix).insert_row(rows, 0.0);
-                    matrix.set_row(rows, &row.transpose());
-                }
+                jacobian = jacobian.with_row(row);
+                let rows = right.len();
                 right = right.insert_row(rows, off);
             }
             let wanted = self.closes_to(&equations);
@@ -120,20 +117,23 @@ impl<'a> Shooting<'a> {
             let other = if most > by_tolerance { most } else { 1.0 };
             let scales = sizes.map(|size| if size > by_tolerance { size } else { other });
             let error = by_tolerance.max(ULPS * f64::EPSILON * equations.steps as f64);
-            // Next to a saddle nearly all directions seem undetermined; only in families some are.
-            let (free, error) = match self.family {
-                _ if closes => (0, error),
-                0 => (0, 0.0),
-                family => (family, error),
+            let step = NewtonEquations {
+                jacobian,
+                right,
+                sizes: scales,
+                error,
             };
-            let matrices = [matrix, changes];
-            let solved = newton_solution(matrices, &right, (self.states, free), (scales, error));
             if closes {
-                let family = solved.map_or(0, |(_, free)| free);
+                let family = step.free(self.states);
                 return self.cycle(outline, equations, (guessed, most), (iterations, family));
             }
+            // Next to a saddle nearly all directions seem undetermined; only in families some are.
+            let solved = match self.family {
+                0 => step.solution(),
+                family => step.solution_without((self.states, family)),
+            };
             last_residual = equations.largest;
-            outline = self.in_period(outline.with(&(unknowns + solved?.0)));
+            outline = self.in_period(outline.with(&(unknowns + solved?)));
             let period = outline.period();
             let is_possible = (period - guessed).abs() < guessed
                 && self.lasts(&outline, guessed)
