@@ -203,9 +203,9 @@ impl Continuation<'_> {
         &self,
         line: &TangentLine,
         (mut length, rough): (f64, f64),
-        function: &Function<'_>,
+        function: &SolutionFunction<'_>,
         precise: f64,
-    ) -> Option<Zero> {
+    ) -> Option<LocatedZero> {
         let mut best = self.interpolated(line, length, rough, function)?;
         while best.uncertainty > precise {
             length *= 2.0;
