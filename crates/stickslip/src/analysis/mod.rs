@@ -8,6 +8,7 @@ mod continuation;
 mod critical;
 mod cycle;
 mod derivatives;
+mod graze;
 mod instant;
 mod lagrange;
 mod least_squares;
