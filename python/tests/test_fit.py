@@ -112,6 +112,22 @@ def test_a_fit_prints_what_the_program_prints():
         assert words in told, told
 
 
+def test_values_at_impacts_have_no_standard_error_and_the_event_is_named():
+    h, w = ss.states("h w")
+    g, = ss.parameters(g=10.0)  # fmt: skip
+    bounce = ss.Jump("bounce", when=h, direction="falling", set={w: -0.8 * w})
+    ball = ss.System({h: w, w: -g}, jumps=[bounce], start=[1, 0])
+    fall = np.sqrt(2 / 9.81)
+    after = 9.81 * fall * 0.8 ** np.arange(1, 7)
+    times = fall + np.concatenate([[0], np.cumsum(2 * after[:-1] / 9.81)])
+    noise = [-0.004, 0.007, -0.01, -0.002, 0.005, -0.001]
+    data = {"t": times, "w": after + noise}
+    found = ss.fit(ball, data, [g], {"w": w}, sigma=0.01)
+    assert abs(found["g"] - 9.81) < 0.03 and np.isnan(found.std_errors).all()
+    assert "the value of w at " in found.no_errors
+    assert "the event `bounce` at " in repr(found)
+
+
 def test_what_cannot_be_fitted_is_refused():
     data = record(seed=1)
     for given, said in [

@@ -104,6 +104,34 @@ fn an_exact_record_is_fitted_with_all_files() {
 }
 
 #[test]
+fn values_at_impacts_have_no_standard_error_and_the_event_is_named() {
+    let top = tempfile::tempdir().unwrap();
+    let ball = "name = \"ball\"\n[states]\nh = \"\"\nw = \"\"\n[parameters]\ng = 9.81\n\
+                [jumps.bounce]\nwhen = \"h\"\ndirection = \"falling\"\n\
+                set = { w = \"-0.8*w\" }\n[field]\nh = \"w\"\nw = \"-g\"\n[start]\nh = 1\n\
+                w = 0\n";
+    std::fs::write(top.path().join("ball.toml"), ball).unwrap();
+    // The velocity after each impact, at its time in closed form, with some noise.
+    let fall = (2.0_f64 / 9.81).sqrt();
+    let (mut t, mut w) = (fall, 0.8 * 9.81 * fall);
+    let mut rows = vec!["t,w".to_owned()];
+    for noise in [-0.004, 0.007, -0.01, -0.002, 0.005, -0.001] {
+        rows.push(format!("{t:?},{:?}", w + noise));
+        t += 2.0 * w / 9.81;
+        w *= 0.8;
+    }
+    std::fs::write(top.path().join("w.csv"), rows.join("\n") + "\n").unwrap();
+    let mut command = program(top.path());
+    command.args(["fit", "ball.toml", "w.csv", "--fit", "g", "--observe", "w"]);
+    command.args(["--set", "g=10", "--sigma", "0.01"]);
+    let words = "none: w.csv: the value of w at ";
+    command
+        .assert()
+        .success()
+        .stdout(contains(words).and(contains("the event `bounce` at")));
+}
+
+#[test]
 fn several_records_have_files_of_their_own() {
     let top = folder();
     std::fs::copy(top.path().join("data.csv"), top.path().join("again.csv")).unwrap();

@@ -141,7 +141,7 @@ impl OrbitVariables {
             options,
             multipliers: multipliers(&orbit.monodromy),
             phases: phases(system, orbit, options)?,
-            is_forced: drive.is_some(),
+            periods: drive.is_some().then(|| periods(system, orbit)).flatten(),
         };
         let (mut of_multipliers, mut missing) = (Vec::new(), Vec::new());
         for (k, (name, value)) in self.names.iter().zip(values).enumerate() {
@@ -181,15 +181,20 @@ impl OrbitVariables {
         }
         let slopes = system.period_derivatives(&self.parameters);
         let slopes = slopes.map_err(|error: FileError| DerivativeError::Setting(error.into()))?;
-        let (Some(slopes), Some(period)) = (slopes, system.built.period) else {
+        let (Some(slopes), Some(periods)) = (slopes, periods(system, orbit)) else {
             return Err(DerivativeError::NoPeriod);
         };
-        let periods = (orbit.period / period).round();
         for name in &self.names {
             check_drive(system, name)?;
         }
         Ok(Some(slopes.iter().map(|slope| periods * slope).collect()))
     }
+}
+
+/// Number of periods of the drive in that of an orbit; none without a drive.
+fn periods(system: &System, orbit: &PeriodicOrbit) -> Option<f64> {
+    let drive = system.built.period?;
+    Some((orbit.period / drive).round())
 }
 
 /// Refuses a parameter with which the drive changes its period but the period of the file does not.
@@ -259,7 +264,8 @@ struct Base<'s> {
     options: &'s Options,
     multipliers: Vec<Complex<f64>>,
     phases: Vec<Modes>,
-    is_forced: bool,
+    /// Number of periods of the drive, where there is one.
+    periods: Option<f64>,
 }
 
 impl Base<'_> {
@@ -305,13 +311,17 @@ impl Base<'_> {
         };
         let none = || NoMultiplierDerivatives::NoOrbit { name, value: words };
         let predicted = &self.orbit.x + &of.x * by;
-        let period = self.orbit.period + of.period * by;
+        // The period of a drive is exact: its prediction is off by the square of the step.
+        let drive = self
+            .periods
+            .and_then(|count| Some(count * system.built.period?));
+        let period = drive.unwrap_or(self.orbit.period + of.period * by);
         let (dynamics, options) = (system.dynamics(), self.options);
-        let found = match self.is_forced {
-            true => {
+        let found = match drive {
+            Some(_) => {
                 periodic_orbit_forced(dynamics, self.orbit.t, predicted.clone(), period, options)
             }
-            false => periodic_orbit(dynamics, predicted.clone(), period, options),
+            None => periodic_orbit(dynamics, predicted.clone(), period, options),
         };
         let Ok(found) = found else {
             return Err(none());

@@ -445,3 +445,38 @@ fn short_flights_are_no_chain_of_jumps_and_a_jump_at_a_turning_point_has_none() 
         "{t}"
     );
 }
+
+/// Two inputs switch at 2: one of period `T`, after its first period, and one of period `S`.
+#[test]
+fn kinks_of_two_inputs_at_one_instant_have_derivatives_where_their_order_is_nothing() {
+    let of = |field: &str| {
+        system(&format!(
+            "name = \"kinks\"\n[states]\nx = \"\"\n[parameters]\nT = 2\nS = 4\n[inputs.p]\n\
+             shape = \"square\"\nperiod = \"T\"\n[inputs.q]\nshape = \"square\"\n\
+             period = \"S\"\n[field]\nx = \"{field}\"\n[start]\nx = 0\n[time]\nend = 2.5\n"
+        ))
+    };
+    for method in METHODS {
+        // A period longer by d moves the switches of p by d/2 and d, and that of q by d/2.
+        let sum = found(&of("p + 3*q"), &["T", "S"], &[1.5, 2.5], method);
+        assert!(sum.lost.is_none());
+        let off = |row: usize, exact: [f64; 2]| {
+            let states = &sum.states[row];
+            (states[(0, 0)] - exact[0]).abs() + (states[(0, 1)] - exact[1]).abs()
+        };
+        assert!(off(0, [1.0, 0.0]) < 1e-12 && off(1, [-1.0, 3.0]) < 1e-12);
+        // Of p*q the two sides are -1 and 3 by T, and -1 and 1 by S.
+        for by in [&["T", "S"][..], &["T"], &["S"]] {
+            let product = found(&of("p*q"), by, &[1.5, 2.5], method);
+            let Some(Error::SimultaneousEvents { t, .. }) = product.lost else {
+                panic!("{method}: {:?}", product.lost);
+            };
+            assert!((t - 2.0).abs() < 1e-12);
+            assert!(product.states[0].iter().all(|of| of.is_finite()));
+            assert!(product.states[1].iter().all(|of| of.is_nan()));
+        }
+        // Nothing moves the switches by the start.
+        let start = found(&of("p*q"), &["x"], &[2.5], method);
+        assert!(start.lost.is_none() && (start.states[0][(0, 0)] - 1.0).abs() < 1e-12);
+    }
+}

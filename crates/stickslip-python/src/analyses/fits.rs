@@ -156,7 +156,7 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
         fields.array(name, matrix.transpose().as_slice().to_vec(), [count])?;
     }
     fields.put("undetermined", fit.uncertainty.undetermined.clone())?;
-    fields.put("no_errors", fit.uncertainty.none)?;
+    fields.put("no_errors", fit.uncertainty.none.clone())?;
     fields.put("bend", fit.uncertainty.bend)?;
     fields.put("doubtful", fit.uncertainty.is_doubtful())?;
     fields.texts("records", fit.columns.iter().map(|one| one.record))?;

@@ -1,18 +1,17 @@
 //! Derivatives of an orbit and of the times of its events.
 
-use numerics::bisect;
-
 use super::cycle::SegmentEnd;
+use super::graze::{graze_in, is_graze, turning_guards};
 use super::instant::LastEvent;
 use super::monodromy::{TangentMap, velocity_in};
+use super::simultaneous::check_kinks;
 use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
-    AsDynamics, Components, Dynamics, Guard, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
-    Passage, Section, Step, Transition, Vector,
+    AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage,
+    Section, Step, Transition, Vector,
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
-use crate::system::Mode;
 
 /// Quantities by which an orbit is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -248,6 +247,9 @@ pub fn orbit_derivatives_of(
                 }
                 // Requested times do not affect the derivatives after them.
                 carried.columns = carried.tangent.carried(&step, &carried.before);
+                if let Err(error) = check_kinks(system, &step, &carried.before) {
+                    carried.lose(error);
+                }
                 if let Some(at) = graze {
                     carried.lose(singular(at.t, &at.x));
                 }
@@ -328,49 +330,6 @@ fn columns_at_start(
     by.iter().map(column).collect()
 }
 
-/// The distances of contacts from their boundaries, and the functions of jumps, that turn back from
-/// falling to rising over a step.
-fn turning_guards(system: &dyn Dynamics, step: &Step) -> Vec<usize> {
-    let flow = system.flow(step.mode, &step.start());
-    let own = |guard: &Guard| match guard.is_of_jump {
-        // A stop that a gap touches at zero rate gives no impulse.
-        true => guard.is_watched && !guard.is_condition,
-        false => !guard.goes_on && step.mode.get(guard.contact) != Mode::Stick,
-    };
-    let guards = flow.guards().into_iter().filter(own);
-    let numbers = guards.map(|guard| guard.number);
-    let rate = |guard: usize, at: &Moment| flow.guard_jet(guard, at)[1];
-    numbers
-        .filter(|&one| rate(one, &step.start()) < 0.0 && rate(one, &step.end()) > 0.0)
-        .collect()
-}
-
-/// The place in a step at which one of these guards turns back from zero: within the tolerance of
-/// the state it passes through as well. A run reports nothing there if it does not pass.
-fn graze_in(
-    tangent: &Tangent<'_>,
-    guards: &[usize],
-    step: &Step,
-    moment: &dyn Fn(f64) -> Moment,
-) -> Option<Moment> {
-    let flow = tangent.system.flow(step.mode, &step.start());
-    let is_zero = |guard: usize, at: &Moment| {
-        let (gradient, _) = flow.guard_gradient(guard, at);
-        let size = gradient.abs().dot(&at.x.abs()) + gradient.abs().sum();
-        flow.guard(guard, at).abs() <= tangent.tolerance() * size
-    };
-    let turned = guards.iter().filter_map(|&guard| {
-        // One that leaves its zero here has passed it before.
-        if is_zero(guard, &step.start()) {
-            return None;
-        }
-        let rises = |t: f64| flow.guard_jet(guard, &moment(t))[1] >= 0.0;
-        let at = moment(bisect(step.t_start, step.t_end, rises));
-        is_zero(guard, &at).then_some(at)
-    });
-    turned.min_by(|a, b| a.t.total_cmp(&b.t))
-}
-
 /// Tangent vectors beside an orbit, and what they have given so far.
 struct OrbitTangents<'a> {
     tangent: Tangent<'a>,
@@ -415,7 +374,6 @@ impl OrbitTangents<'_> {
         let velocity = velocity_in(system, at.from, &here);
         let cause = self.last.cause_of(system, at);
         let end = SegmentEnd::of(system, at, cause);
-        let mut rests = false;
         let (gradient, in_time) = match end.at_kink {
             Some((input, _)) => {
                 let (_, gradient, in_time) = system.clock(input, &here);
@@ -423,25 +381,13 @@ impl OrbitTangents<'_> {
             }
             None if end.is_of_jump => {
                 let reset = system.reset(at.contact, &here);
-                rests = reset.rests;
                 (reset.gradient, reset.in_time)
             }
             None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
         };
-        let is_graze = || {
-            // Where it would be another zero within the tolerance, or none.
-            let [_, rate, bend, _] = system.flow(at.from, &here).guard_jet(end.guard, &here);
-            let size = gradient.abs().dot(&here.x.abs()) + gradient.abs().sum();
-            // Impacts that come to rest are as short, but nothing else is near them.
-            let turns_back = rate * bend < 0.0;
-            (turns_back || !rests)
-                && rate * rate <= 2.0 * bend.abs() * self.tangent.tolerance() * size
-        };
-        let is_of_boundary = at.kind != TransitionKind::StickExit && end.at_kink.is_none();
-        let jump = match at.kind {
-            TransitionKind::Touch => Err(singular(at.t, &at.x)),
-            _ if is_of_boundary && is_graze() => Err(singular(at.t, &at.x)),
-            _ => self.tangent.passed(at, cause, &self.columns),
+        let jump = match is_graze(&self.tangent, at, &end) {
+            true => Err(singular(at.t, &at.x)),
+            false => self.tangent.passed(at, cause, &self.columns),
         };
         let (t, before) = of_zero(&self.columns, &velocity, (&gradient, in_time));
         let jump = match jump {

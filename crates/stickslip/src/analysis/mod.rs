@@ -9,6 +9,7 @@ mod critical;
 mod cycle;
 mod derivatives;
 mod elimination;
+mod graze;
 mod instant;
 mod lagrange;
 mod least_squares;

@@ -1,7 +1,9 @@
 //! The derivative of the flow map, through slips, sticks and the transitions between them.
 
-use super::instant::LastEvent;
-use super::tangent::{Tangent, flatten};
+use super::cycle::SegmentEnd;
+use super::graze::{check_step, is_graze};
+use super::instant::{Cause, LastEvent};
+use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Step, Summary,
     Transition, Vector,
@@ -79,9 +81,10 @@ pub(super) fn flow_derivative(
         match orbit.step()? {
             OrbitProgress::Step => {
                 let step = orbit.last_step();
+                check_step(&tangent, &step, &mut *orbit)?;
                 map.through_step(&tangent, &step);
             }
-            OrbitProgress::Transition(at) => map.through_transition(&tangent, &at)?,
+            OrbitProgress::Transition(at) => map.through_exact_transition(&tangent, &at)?,
             OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {}
             OrbitProgress::End(summary) => {
                 let velocity = velocity_in(system, orbit.mode(), &orbit.now());
@@ -197,6 +200,26 @@ impl TangentMap {
         at: &Transition,
     ) -> Result<(), Error> {
         let cause = self.last.cause_of(tangent.system, at);
+        self.pass(tangent, at, cause)
+    }
+
+    /// As [`Self::through_transition`], along an orbit that is no iterate of a search.
+    ///
+    /// # Errors
+    /// [`Error::TangentSingular`] where the orbit grazes, too.
+    pub(super) fn through_exact_transition(
+        &mut self,
+        tangent: &Tangent<'_>,
+        at: &Transition,
+    ) -> Result<(), Error> {
+        let cause = self.last.cause_of(tangent.system, at);
+        match is_graze(tangent, at, &SegmentEnd::of(tangent.system, at, cause)) {
+            true => Err(singular(at.t, &at.x)),
+            false => self.pass(tangent, at, cause),
+        }
+    }
+
+    fn pass(&mut self, tangent: &Tangent<'_>, at: &Transition, cause: Cause) -> Result<(), Error> {
         let Some(jump) = tangent.passed(at, cause, &self.columns)? else {
             return Ok(());
         };

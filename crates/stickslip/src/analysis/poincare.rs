@@ -1,5 +1,6 @@
 //! The Poincaré map: from each passage of a section to the next one.
 
+use super::graze::check_step;
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, singular};
 use crate::dynamics::{
@@ -229,11 +230,14 @@ impl<'a> PoincareMap<'a> {
                     if step.t_start - self.at.t > self.longest {
                         return Err(self.no_return());
                     }
+                    if map.is_some() {
+                        check_step(&tangent, &step, &mut *self.orbit)?;
+                    }
                     self.after_return = Some(step);
                 }
                 OrbitProgress::Transition(at) => {
                     if let Some(map) = &mut map {
-                        map.through_transition(&tangent, &at)?;
+                        map.through_exact_transition(&tangent, &at)?;
                     }
                 }
                 OrbitProgress::PhaseEnd(_) | OrbitProgress::Passage(_) | OrbitProgress::Kink(_) => {

@@ -79,6 +79,34 @@ pub(super) fn check_order(
     Ok(joint)
 }
 
+/// Checks whether kinks of several inputs that end a step may come in either order.
+///
+/// # Errors
+/// [`Error::SimultaneousEvents`] where the order matters and one of these vectors moves the times
+/// apart.
+pub(super) fn check_kinks(
+    system: &dyn Dynamics,
+    step: &Step,
+    columns: &[Vector],
+) -> Result<(), Error> {
+    let shifts = system.kink_shifts(step);
+    let matters = |shift: &KinkShift| shift.order.amax() > SAME * shift.kick.amax();
+    let is_apart = |y: &Vector| {
+        let mut times = shifts
+            .iter()
+            .map(|shift| shift.gradient.dot(y) / shift.rate);
+        let first = times.next().unwrap_or(0.0);
+        times.any(|time| (time - first).abs() > SAME * time.abs().max(first.abs()))
+    };
+    match shifts.iter().any(matters) && columns.iter().any(is_apart) {
+        true => Err(Error::SimultaneousEvents {
+            t: step.t_end,
+            x: Point::from(&step.x_end),
+        }),
+        false => Ok(()),
+    }
+}
+
 /// Whether the order of two events matters.
 enum Order {
     /// Vectors move the times of both alike.

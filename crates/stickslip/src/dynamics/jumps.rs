@@ -279,4 +279,7 @@ pub struct KinkShift {
     pub gradient: Vector,
     /// Rate of the clock along the motion before the kink.
     pub rate: f64,
+    /// The kick if the kinks of other inputs at the instant came after this one, minus that if they
+    /// came before it. The flow has a derivative by the time between them where it vanishes.
+    pub order: Vector,
 }

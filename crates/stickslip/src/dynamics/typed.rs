@@ -258,23 +258,40 @@ where
             return shifts;
         }
         let flow = TypedFlow::new(of, step.mode, &step.end());
-        let mut x = of.with_inputs(step.t_start, of.state(step.x_end.as_slice()));
-        for input in 0..inputs {
-            let before = Timed { t, x };
+        let start = of.with_inputs(step.t_start, of.state(step.x_end.as_slice()));
+        let held = |input: usize, mut x: crate::system::State<N>| {
             of.jumps.hold(input, t, x.as_mut_slice());
-            if x == before.x {
-                continue;
-            }
+            x
+        };
+        let kinked = (0..inputs).filter(|&input| held(input, start) != start);
+        let kinked: Vec<usize> = kinked.collect();
+        let end = kinked.iter().fold(start, |x, &input| held(input, x));
+        let mut x = start;
+        for &input in &kinked {
+            let before = Timed { t, x };
+            x = held(input, x);
             let (slopes, in_time) = of.gradient(|t, x| of.jumps.clock(input, t, x), &before);
             let gradient = of.vector(&slopes);
-            if gradient.amax() == 0.0 || in_time == 0.0 {
+            let is_fixed = gradient.amax() == 0.0 && kinked.len() == 1;
+            if is_fixed || in_time == 0.0 {
                 continue;
             }
-            let [before, after] = [before, Timed { t, x }].map(|at| flow.velocity_at(&at));
+            let velocity = |x| flow.velocity_at(&Timed { t, x });
+            let [from, to] = [before.x, x].map(velocity);
+            let mut order = &from * 0.0;
+            if kinked.len() > 1 {
+                let others = kinked.iter().filter(|other| **other != input);
+                let last = others.fold(start, |x, &other| held(other, x));
+                let [first, last] = [[start, held(input, start)], [last, end]]
+                    .map(|ends| ends.map(velocity))
+                    .map(|[from, to]| to - from);
+                order = first - last;
+            }
             shifts.push(KinkShift {
-                rate: in_time + gradient.dot(&before),
-                kick: after - before,
+                rate: in_time + gradient.dot(&from),
+                kick: to - from,
                 gradient,
+                order,
             });
         }
         shifts

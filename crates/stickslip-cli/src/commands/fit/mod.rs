@@ -286,7 +286,7 @@ fn uncertainties(report: &mut Report, found: &Fit) -> Result<(), Failure> {
         (words, json!(parts.collect::<Map<_, _>>()))
     });
     report.list("undetermined", undetermined);
-    if let Some(why) = uncertainty.none {
+    if let Some(why) = &uncertainty.none {
         report.line("errors", format!("none: {why}"));
     } else if let Some(bend) = uncertainty.bend.filter(|_| uncertainty.is_doubtful()) {
         let percent = 100.0 * bend;
@@ -298,7 +298,7 @@ fn uncertainties(report: &mut Report, found: &Fit) -> Result<(), Failure> {
         );
     }
     report
-        .field("no_errors", uncertainty.none)
+        .field("no_errors", &uncertainty.none)
         .field("bend", uncertainty.bend);
     let pairs = (0..names.len()).flat_map(|i| (0..i).map(move |k| (k, i)));
     let strong = pairs.filter(|&(k, i)| correlations[(k, i)].abs() > STRONG);

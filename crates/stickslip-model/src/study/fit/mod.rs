@@ -1,5 +1,6 @@
 //! Parameters, starts and offsets of a system fitted to measured motion.
 
+mod crossing;
 mod errors;
 mod noise;
 mod parts;
@@ -21,6 +22,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::{Interrupt, Matrix, Modes, Vector};
 use stickslip::{Error, Options};
 
+use crossing::beyond_events;
 pub use errors::FitError;
 use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
@@ -220,7 +222,6 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
         tolerance: TOLERANCE,
         most_evaluations: request.most_evaluations.max(1),
     };
-    let work = FitWork::of_at_most(settings.most_evaluations);
     let given = problem.unknowns.start();
     let starts = match request.search {
         0 => {
@@ -233,8 +234,10 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
     if request.segments > 1
         && let Some(start) = starts.first()
     {
-        return shooting::fit_in_parts(&mut problem, start, &settings, work);
+        let (start, work) = problem.with_observables_fitted(start, &settings);
+        return shooting::fit_in_parts(&mut problem, &start, &settings, work);
     }
+    let work = FitWork::of_at_most(settings.most_evaluations);
     let mut minima = minima(&problem, &starts, &settings)?;
     let others = minima.split_off(1.min(minima.len()));
     let best = minima.pop().ok_or(FitError::NoData)?;
@@ -247,8 +250,16 @@ fn minima(
     starts: &[Vector],
     settings: &LeastSquaresSettings,
 ) -> Result<Vec<LeastSquares<Sequence>>, FitError> {
-    let searches = starts.par_iter();
-    let searches = searches.map(|start| least_squares(start, settings, |x| problem.residuals(x)));
+    let search = |start: &Vector| {
+        let (start, work) = problem.with_observables_fitted(start, settings);
+        let left = work
+            .settings_left(settings)
+            .unwrap_or_else(|| settings.clone());
+        let mut found = least_squares(&start, &left, |x| problem.residuals(x))?;
+        work.add_to(&mut found);
+        Ok::<_, record_run::Failed>(found)
+    };
+    let searches = starts.par_iter().map(search);
     let searches: Vec<Result<LeastSquares<Sequence>, _>> = searches.collect();
     problem.check_interrupt()?;
     let (mut found, mut first_error) = (Vec::new(), None);
@@ -281,23 +292,21 @@ fn finished(
     others: Vec<LeastSquares<Sequence>>,
 ) -> Result<Fit, FitError> {
     work.add(&best);
+    best = beyond_events(problem, best, settings, &mut work);
     for _ in 0..MOST_ROUNDS {
         let scales = problem.sigmas.clone();
         let largest = problem.estimate_sigmas(&best.at.values);
         if scales == problem.sigmas {
             break;
         }
-        if work.left() == 0 {
+        let Some(left) = work.settings_left(settings) else {
             best.end = LeastSquaresEnd::Evaluations;
             break;
-        }
-        let settings = LeastSquaresSettings {
-            most_evaluations: work.left(),
-            ..settings.clone()
         };
-        let again = least_squares(&best.x, &settings, |x| problem.residuals(x));
+        let again = least_squares(&best.x, &left, |x| problem.residuals(x));
         let again = again.map_err(|error| problem.failed(error))?;
         work.add(&again);
+        let again = beyond_events(problem, again, settings, &mut work);
         best = LeastSquares {
             // The first search has converged, whatever rounding lets the second find.
             end: match (again.steps, again.end) {
@@ -327,6 +336,8 @@ fn finished(
 pub(crate) struct Modelled {
     /// Values by record, column and time.
     pub(crate) values: Vec<Vec<Vec<f64>>>,
+    /// Sizes of what the states contribute to them.
+    sizes: Vec<Vec<Vec<f64>>>,
     /// Residuals over deviations, without missing values.
     pub(crate) residuals: Vector,
     /// Derivatives of the residuals.

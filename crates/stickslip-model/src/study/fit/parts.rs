@@ -86,7 +86,7 @@ impl<'r> FitProblem<'r> {
         let mut whole: Vec<f64> = x.iter().copied().collect();
         let mut orbits = Vec::new();
         for (number, run) in self.records.iter().enumerate() {
-            let at = run.at(number, x, self.unknowns.len());
+            let at = run.at(number, x, (self.unknowns.len(), false));
             orbits.push(at.map_err(|error| self.failed(error))?.points);
         }
         let states = self.records.first().map_or(0, |run| run.system.states());
@@ -146,7 +146,7 @@ impl<'r> FitProblem<'r> {
         x: &Vector,
     ) -> Result<Residuals<Sequence>, Failed> {
         let record = &self.records[node.part];
-        let run = record.at(node.part, x, self.unknowns.len())?;
+        let run = record.at(node.part, x, (self.unknowns.len(), false))?;
         let (mut residuals, mut slopes) = (Vec::new(), Vec::new());
         self.add_rows(record, &run, &mut residuals, &mut slopes);
         let all = Matrix::from_row_slice(residuals.len(), self.unknowns.len(), &slopes);

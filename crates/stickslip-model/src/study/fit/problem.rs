@@ -219,10 +219,25 @@ impl<'r> FitProblem<'r> {
         })
     }
 
+    /// Whether the system has jumps, so that an observable may have them.
+    pub(super) fn may_jump(&self) -> bool {
+        !self.base.file.jumps.is_empty()
+    }
+
     /// Everything at a point.
     pub(super) fn modelled(&self, x: &Vector) -> Result<Modelled, Failed> {
+        self.modelled_to(x, false)
+    }
+
+    /// Everything at a point, with events until after the last time of each record where the run
+    /// goes on.
+    pub(super) fn modelled_beyond(&self, x: &Vector) -> Result<Modelled, Failed> {
+        self.modelled_to(x, true).or_else(|_| self.modelled(x))
+    }
+
+    fn modelled_to(&self, x: &Vector, is_beyond: bool) -> Result<Modelled, Failed> {
         let runs = self.records.par_iter().enumerate();
-        let runs = runs.map(|(k, record)| record.at(k, x, self.unknowns.len()));
+        let runs = runs.map(|(k, record)| record.at(k, x, (self.unknowns.len(), is_beyond)));
         // In order, so that the first failure is the same each time.
         let runs: Vec<Result<RecordAt, Failed>> = runs.collect();
         let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -235,6 +250,7 @@ impl<'r> FitProblem<'r> {
         }
         let mut all = Modelled {
             values: Vec::new(),
+            sizes: Vec::new(),
             jacobian: Matrix::from_row_slice(residuals.len(), self.unknowns.len(), &slopes),
             residuals: Vector::from_vec(residuals),
             phases: Vec::new(),
@@ -243,6 +259,7 @@ impl<'r> FitProblem<'r> {
         };
         for (number, run) in runs.into_iter().enumerate() {
             all.values.push(run.values);
+            all.sizes.push(run.sizes);
             all.phases.push(run.phases);
             all.jumps.push(run.jumps);
             if let Some(lost) = run.lost {

@@ -43,6 +43,8 @@ pub(super) struct RecordRun {
 #[derive(Clone, Debug)]
 pub(super) struct ObservedJump {
     pub(super) t: f64,
+    /// Number of the jump, counted from 0.
+    pub(super) number: Option<usize>,
     /// Derivatives of its time by everything that is sought.
     pub(super) slopes: Vec<f64>,
     /// Change of each observable.
@@ -52,6 +54,8 @@ pub(super) struct ObservedJump {
 /// One record at a point.
 pub(super) struct RecordAt {
     pub(super) values: Vec<Vec<f64>>,
+    /// Sizes of what the state contributes to the values: without an offset, which has no error.
+    pub(super) sizes: Vec<Vec<f64>>,
     /// Derivatives by everything that is sought, for each column and time.
     pub(super) slopes: Vec<Vec<Vec<f64>>>,
     pub(super) phases: Vec<(f64, f64, Modes)>,
@@ -189,8 +193,14 @@ impl RecordRun {
         Ok(self)
     }
 
-    /// The record at a point, with derivatives by all `sought` unknowns.
-    pub(super) fn at(&self, number: usize, x: &Vector, sought: usize) -> Result<RecordAt, Failed> {
+    /// The record at a point, with derivatives by all `sought` unknowns. The run goes beyond the
+    /// last time by that between two times, if wanted.
+    pub(super) fn at(
+        &self,
+        number: usize,
+        x: &Vector,
+        (sought, is_beyond): (usize, bool),
+    ) -> Result<RecordAt, Failed> {
         let of = |kind: Kind| {
             let mut found = self.local.iter().filter(|(known, _)| *known == kind);
             found.next().map(|&(_, place)| x[place])
@@ -233,23 +243,29 @@ impl RecordRun {
         let start: Vec<f64> = start.chain(parameters.iter().copied()).collect();
         let t_start = time(none).re;
         let last = self.times.last().copied().unwrap_or(t_start);
+        let mut times = self.times.clone();
+        if is_beyond {
+            times.push(last + (last - t_start) / self.times.len().max(1) as f64);
+        }
+        let last = times.last().copied().unwrap_or(t_start);
         let run = orbit_derivatives(
             &self.dynamics,
             t_start,
             Vector::from_vec(start),
             // A run needs a length, also where all values are at its start.
             last.max(t_start + f64::EPSILON * t_start.abs().max(1.0)),
-            (&self.by, &self.times),
+            (&self.by, &times),
             &[],
             &self.options,
         );
         let run = run.map_err(|error| Failed::Run(number, error))?;
         let mut at = RecordAt {
             values: vec![Vec::with_capacity(self.times.len()); self.observed.len()],
+            sizes: vec![Vec::with_capacity(self.times.len()); self.observed.len()],
             slopes: vec![Vec::with_capacity(self.times.len()); self.observed.len()],
+            jumps: self.jumps((&run.transitions, &run.phases), &weights, sought),
             phases: run.phases,
             lost: run.lost,
-            jumps: self.jumps(&run.transitions, &weights, sought),
             points: Vec::with_capacity(self.times.len()),
             end: (Vector::zeros(0), Matrix::zeros(0, 0)),
         };
@@ -263,6 +279,10 @@ impl RecordRun {
             let slopes = slopes.rows(0, states) * &weights;
             for (k, observed) in self.observed.iter().enumerate() {
                 let (value, row) = self.observation(observed, *t, (point, &slopes), sought);
+                let scaled = point.iter().enumerate();
+                let scaled = scaled.map(|(i, x)| Dual::new(*x, if i < states { *x } else { 0.0 }));
+                let scaled: Vec<Dual<f64>> = scaled.collect();
+                at.sizes[k].push(observed.value(*t, &scaled).eps.abs());
                 at.values[k].push(value);
                 at.slopes[k].push(row);
             }
@@ -277,7 +297,7 @@ impl RecordRun {
     /// on, by the unknowns of this record.
     fn jumps(
         &self,
-        events: &[EventDerivatives],
+        (events, phases): (&[EventDerivatives], &[(f64, f64, Modes)]),
         weights: &Matrix,
         sought: usize,
     ) -> Vec<ObservedJump> {
@@ -302,9 +322,26 @@ impl RecordRun {
                 slopes[place] = parts.sum();
             }
             let t = event.at;
-            Some(ObservedJump { t, slopes, changes })
+            let ended = phases.iter().find(|phase| phase.1 == t);
+            Some(ObservedJump {
+                t,
+                number: ended.and_then(|phase| phase.2.jump()),
+                slopes,
+                changes,
+            })
         };
-        events.iter().filter_map(jump).collect()
+        let mut found: Vec<ObservedJump> = Vec::new();
+        for jump in events.iter().filter_map(jump) {
+            // Jumps at one instant are passed together.
+            match found.last_mut().filter(|last| last.t == jump.t) {
+                Some(last) => {
+                    let changes = last.changes.iter_mut().zip(&jump.changes);
+                    changes.for_each(|(all, change)| *all += change);
+                }
+                None => found.push(jump),
+            }
+        }
+        found
     }
 
     /// An observable at a point of the orbit, and its derivatives by all `sought` unknowns.

@@ -23,9 +23,16 @@ impl FitProblem<'_> {
         let residuals = parts.residuals.clone();
         let at = self.joined(parts);
         let mut columns = Vec::new();
-        for (number, (record, values)) in self.request.records.iter().zip(&at.values).enumerate() {
-            for (observable, (data, model)) in record.columns.iter().zip(values).enumerate() {
-                columns.push(self.column((number, observable), data, model));
+        let records = self
+            .request
+            .records
+            .iter()
+            .zip(at.values.iter().zip(&at.sizes));
+        for (number, (record, (values, sizes))) in records.enumerate() {
+            let pairs = record.columns.iter().zip(values.iter().zip(sizes));
+            for (observable, (data, (model, sizes))) in pairs.enumerate() {
+                let scale = sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
+                columns.push(self.column((number, observable), data, (&model[..], scale)));
             }
         }
         // The starts of parts are no results.
@@ -65,12 +72,12 @@ impl FitProblem<'_> {
         })
     }
 
-    /// One column of a record, by the numbers of both.
+    /// One column of a record, by the numbers of both, with the size of what the state contributes.
     fn column(
         &self,
         (record, observable): (usize, usize),
         data: &[f64],
-        model: &[f64],
+        (model, scale): (&[f64], f64),
     ) -> FittedColumn {
         let pairs = data.iter().zip(model);
         let residuals: Vec<f64> = pairs.map(|(data, model)| data - model).collect();
@@ -78,9 +85,6 @@ impl FitProblem<'_> {
         // The sum of no values is -0.
         let squares = known.iter().fold(0.0, |sum, r| sum + r * r);
         let rms = (squares / known.len().max(1) as f64).sqrt();
-        let scale = model
-            .iter()
-            .fold(0.0, |most: f64, value| most.max(value.abs()));
         let is_rounding = rms <= ROUNDING * self.request.options.rtol * scale;
         FittedColumn {
             record,
@@ -99,23 +103,30 @@ impl FitProblem<'_> {
         let Some(parts) = &self.parts else {
             return at;
         };
-        let (mut values, mut phases): (Vec<Vec<Vec<f64>>>, Vec<Vec<_>>) = Default::default();
-        for (part, (columns, of_part)) in at.values.into_iter().zip(at.phases).enumerate() {
-            match (values.last_mut(), phases.last_mut()) {
-                (Some(known), Some(whole)) if parts.continues(part) => {
-                    for (known, column) in known.iter_mut().zip(columns) {
-                        known.extend(column);
-                    }
-                    whole.extend(of_part);
+        type Columns = Vec<Vec<f64>>;
+        let (mut values, mut phases, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
+        let extend = |known: &mut Columns, by: Columns| {
+            let pairs = known.iter_mut().zip(by);
+            pairs.for_each(|(known, column)| known.extend(column));
+        };
+        let runs = at.values.into_iter().zip(at.sizes).zip(at.phases);
+        for (part, ((columns, of_columns), of_part)) in runs.enumerate() {
+            match (values.last_mut(), sizes.last_mut(), phases.last_mut()) {
+                (Some(known), Some(of_known), Some(whole)) if parts.continues(part) => {
+                    extend(known, columns);
+                    extend(of_known, of_columns);
+                    Vec::extend(whole, of_part);
                 }
                 _ => {
                     values.push(columns);
+                    sizes.push(of_columns);
                     phases.push(of_part);
                 }
             }
         }
         Modelled {
             values,
+            sizes,
             phases,
             ..at
         }

@@ -6,6 +6,7 @@ use stickslip::math::product;
 use stickslip::nalgebra::{QR, SVD};
 
 use super::Modelled;
+use super::crossing::passable;
 use super::problem::{FitProblem, Sequence};
 use super::statistics::quantile;
 
@@ -15,7 +16,7 @@ const ERROR_OF_DERIVATIVES: f64 = 1e3;
 /// Halvings to a change of the sequence, and the part of the whole change that is left there where
 /// residuals are continuous: a square root has a thousandth.
 const HALVINGS: u32 = 20;
-const JUMP: f64 = 1e-2;
+pub(super) const JUMP: f64 = 1e-2;
 
 /// Distance from the linear model, over the change itself, above which intervals are doubtful. It
 /// is chosen.
@@ -35,7 +36,7 @@ pub struct FitUncertainty {
     /// value, of which the largest is 1.
     pub undetermined: Vec<Vec<(String, f64)>>,
     /// Reason for which there is no standard error at all.
-    pub none: Option<&'static str>,
+    pub none: Option<String>,
     /// Distance of the residuals from the linear model within one standard error, relative to
     /// their change; none where only rounding is left.
     pub bend: Option<f64>,
@@ -68,7 +69,7 @@ impl FitUncertainty {
             bend: None,
         };
         let Ok(at) = problem.modelled(&best.x) else {
-            own.none = Some("the run fails there");
+            own.none = Some("the run fails there".to_owned());
             return own;
         };
         let rows = at.residuals.len();
@@ -76,7 +77,7 @@ impl FitUncertainty {
             own.quantile = quantile(Some(problem.freedom(&at.residuals)));
         }
         if at.jacobian.iter().any(|slope| !slope.is_finite()) {
-            own.none = Some("the run has no derivatives there");
+            own.none = Some("the run has no derivatives there".to_owned());
             return own;
         }
         let bounds = problem.unknowns.bounds();
@@ -101,12 +102,12 @@ impl FitUncertainty {
         let basis = null_space(&columns.rows_range(count_of_data..).into_owned());
         let of_data = product(&columns.rows(0, count_of_data), &basis);
         if of_data.is_empty() {
-            own.none = Some("the parts leave nothing to the data");
+            own.none = Some("the parts leave nothing to the data".to_owned());
             return own;
         }
         let svd = SVD::new(QR::new(of_data).r(), false, true);
         let (singular, Some(right)) = (svd.singular_values, svd.v_t) else {
-            own.none = Some("its derivatives have no singular values");
+            own.none = Some("its derivatives have no singular values".to_owned());
             return own;
         };
         let least = singular.amax()
@@ -153,14 +154,24 @@ impl FitUncertainty {
         if problem.parts.is_none() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
-        if own.none.is_none() && passes_data(problem, &at, (&inside, &directions)) {
-            own.none = Some(
-                "within one standard error an event passes a data time, and what is observed \
-                 jumps there",
-            );
+        // The passage of an event says more than a change of the phases.
+        if problem.may_jump() {
+            let whole = |direction: &Vector| {
+                let mut whole = Vector::zeros(count);
+                for (&k, part) in inside.iter().zip(direction) {
+                    whole[k] = *part;
+                }
+                whole
+            };
+            let directions: Vec<Vector> = directions.iter().map(whole).collect();
+            let at = problem.modelled_beyond(&best.x).unwrap_or(at);
+            let passable = passable(problem, &at, &directions).into_iter().next();
+            if let Some(first) = passable {
+                own.none = Some(first.describe(problem));
+            }
         }
         if best.end == LeastSquaresEnd::Change {
-            own.none = Some("the minimum lies where the sequence of phases changes");
+            own.none = Some("the minimum lies where the sequence of phases changes".to_owned());
         }
         if own.none.is_some() {
             return own;
@@ -189,11 +200,9 @@ impl FitUncertainty {
     ) {
         let bounds = problem.unknowns.bounds();
         let rounding = ERROR_OF_DERIVATIVES * problem.tolerance() * {
-            let values = at
-                .values
-                .iter()
-                .flat_map(|record| record.iter().zip(&problem.sigmas));
-            let sizes = values.flat_map(|(values, sigma)| values.iter().map(move |v| v / sigma));
+            let columns = at.sizes.iter();
+            let columns = columns.flat_map(|record| record.iter().zip(&problem.sigmas));
+            let sizes = columns.flat_map(|(sizes, sigma)| sizes.iter().map(move |v| v / sigma));
             sizes.map(|size| size * size).sum::<f64>().sqrt()
         };
         let here = at.sequence();
@@ -215,7 +224,7 @@ impl FitUncertainty {
                     continue;
                 }
                 let Ok(there) = problem.modelled(&x) else {
-                    self.none = Some("within one standard error a run fails");
+                    self.none = Some("within one standard error a run fails".to_owned());
                     return;
                 };
                 let change = &there.residuals - &at.residuals;
@@ -224,41 +233,15 @@ impl FitUncertainty {
                 if there.sequence() != here {
                     let left = jump_on_the_way(problem, (&best.x, at), (&step, there));
                     if left.is_none_or(|left| left > JUMP * linear.norm()) {
-                        self.none = Some(
-                            "within one standard error the sequence of phases changes, and what \
-                             is observed jumps there",
-                        );
+                        let why = "within one standard error the sequence of phases changes, and \
+                                   what is observed jumps there";
+                        self.none = Some(why.to_owned());
                         return;
                     }
                 }
             }
         }
     }
-}
-
-/// Whether an event at which an observable jumps lies within one standard error of a time of its
-/// data: the residual there jumps.
-fn passes_data(
-    problem: &FitProblem<'_>,
-    at: &Modelled,
-    (inside, directions): (&[usize], &[Vector]),
-) -> bool {
-    let of_records = at.jumps.iter().zip(&problem.records);
-    let mut jumps = of_records.flat_map(|(jumps, record)| jumps.iter().map(move |j| (j, record)));
-    jumps.any(|(jump, record)| {
-        let along = |direction: &Vector| {
-            let parts = inside.iter().zip(direction);
-            let change: f64 = parts.map(|(&k, part)| jump.slopes[k] * part).sum();
-            change * change
-        };
-        let error = directions.iter().map(along).sum::<f64>().sqrt();
-        let changes = jump.changes.iter().zip(&problem.sigmas);
-        let mut columns = changes.zip(&record.columns);
-        columns.any(|((change, sigma), data)| {
-            let is_near = |(t, data): (&f64, &f64)| !data.is_nan() && (t - jump.t).abs() <= error;
-            change.abs() > JUMP * sigma && record.times.iter().zip(data).any(is_near)
-        })
-    })
 }
 
 /// Change of the residuals across the first change of the sequence that bisection finds on the way;

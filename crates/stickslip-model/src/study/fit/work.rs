@@ -1,6 +1,6 @@
 //! The work of the searches for one minimum, all stages together.
 
-use stickslip::analysis::LeastSquares;
+use stickslip::analysis::{LeastSquares, LeastSquaresSettings};
 
 /// Steps and evaluations so far, of which there is a greatest number.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +25,27 @@ impl FitWork {
     /// Evaluations that are left.
     pub(super) fn left(&self) -> usize {
         self.most.saturating_sub(self.evaluations)
+    }
+
+    /// Settings of a search with the evaluations that are left; none where there are none.
+    pub(super) fn settings_left(
+        &self,
+        settings: &LeastSquaresSettings,
+    ) -> Option<LeastSquaresSettings> {
+        let most_evaluations = self.left();
+        (most_evaluations > 0).then(|| LeastSquaresSettings {
+            most_evaluations,
+            ..settings.clone()
+        })
+    }
+
+    /// Counts this work in that of a search that has gone on from it.
+    pub(super) fn add_to<P>(self, search: &mut LeastSquares<P>) {
+        search.steps += self.steps;
+        search.evaluations += self.evaluations;
+        search.failures += self.failures;
+        search.crossings += self.crossings;
+        search.jumps += self.jumps;
     }
 
     pub(super) fn add<P>(&mut self, search: &LeastSquares<P>) {
