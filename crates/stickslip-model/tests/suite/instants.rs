@@ -200,14 +200,17 @@ fn a_body_that_starts_on_the_floor_and_falls_bounces_at_once() {
     }
 }
 
-/// Beats of time and of the state at a start: the run does those of the state and reports the others.
+/// Jumps of time and of the state at a start: the run does those of the state, and reports the
+/// others.
 #[test]
 fn a_jump_of_time_alone_at_the_start_is_reported_as_done() {
     let text = |start: f64| {
         format!(
             "name = \"case\"\n[states]\nx = \"\"\n[discrete]\nn = 0\nm = 0\n\
-             [jumps.beat]\nwhen = \"sin(pi*t)\"\ndirection = \"rising\"\nset = {{ n = \"n + 1\" }}\n\
-             [jumps.fall]\nwhen = \"sin(pi*t)\"\ndirection = \"falling\"\nset = {{ n = \"n + 5\" }}\n\
+             [jumps.beat]\nwhen = \"sin(pi*t)\"\ndirection = \"rising\"\n\
+             set = {{ n = \"n + 1\" }}\n\
+             [jumps.fall]\nwhen = \"sin(pi*t)\"\ndirection = \"falling\"\n\
+             set = {{ n = \"n + 5\" }}\n\
              [jumps.never]\nwhen = \"t - {start}\"\nif = \"x < 0\"\nset = {{ n = \"9\" }}\n\
              [jumps.level]\nwhen = \"x - 1\"\nset = {{ m = \"m + 1\" }}\n\
              [field]\nx = \"1\"\n[start]\nx = 1\n[time]\nstart = {start}\n"

@@ -17,8 +17,8 @@ const MAX_COMPARED: usize = 40;
 /// End of each run.
 const UNTIL: f64 = 6.0;
 
-/// Largest difference of the end state of a run in pieces where a piece ends so near before an event
-/// that rounding moves the event. All others have the bits of the run in one piece.
+/// Largest difference of the end state of a run in pieces where a piece ends so near before an
+/// event that rounding moves the event. All others have the bits of the run in one piece.
 const ROUNDED: f64 = 1e-12;
 
 /// Allowed difference of event times.
