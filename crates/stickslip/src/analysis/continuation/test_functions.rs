@@ -197,8 +197,8 @@ impl Continuation<'_> {
 
     /// [`Continuation::interpolated`], with the parameter from orbits ever farther away, as long as
     /// that makes it more precise and it is not precise enough. Next to a multiplier of 1, the
-    /// closing errors of orbits fall with their distance; the error of the polynomial rises with
-    /// it.
+    /// closing errors of orbits fall with their distance. The error of the polynomial rises with
+    /// it, so that nothing farther away helps where that one decides.
     fn interpolated_from_afar(
         &self,
         line: &TangentLine,
@@ -206,12 +206,13 @@ impl Continuation<'_> {
         function: &SolutionFunction<'_>,
         precise: f64,
     ) -> Option<LocatedZero> {
-        let mut best = self.interpolated(line, length, rough, function)?;
-        while best.uncertainty > precise {
+        let (mut best, mut of_polynomial) = self.interpolated(line, length, rough, function)?;
+        while best.uncertainty > precise && 2.0 * of_polynomial < best.uncertainty {
             length *= 2.0;
             match self.interpolated(line, length, best.s, function) {
-                Some(wider) if wider.uncertainty < best.uncertainty => {
+                Some((wider, of_wider)) if wider.uncertainty < best.uncertainty => {
                     (best.parameter, best.uncertainty) = (wider.parameter, wider.uncertainty);
+                    of_polynomial = of_wider;
                 }
                 _ => break,
             }
@@ -219,16 +220,16 @@ impl Continuation<'_> {
         Some(best)
     }
 
-    /// Zero of a function near a place, by a polynomial through orbits around it. Where
-    /// another branch crosses this one, Newton's matrix is singular, and no orbit can be computed
-    /// close to it.
+    /// Zero of a function near a place, by a polynomial through orbits around it, and the part of
+    /// the uncertainty that is the polynomial's. Where another branch crosses this one, Newton's
+    /// matrix is singular, and no orbit can be computed close to it.
     fn interpolated(
         &self,
         line: &TangentLine,
         length: f64,
         rough: f64,
         function: &SolutionFunction<'_>,
-    ) -> Option<LocatedZero> {
+    ) -> Option<(LocatedZero, f64)> {
         // Distance of the nodes, as a fraction of that between the last two orbits. Chosen:
         // shorter, the closing errors would decide; longer, the degree of the polynomial.
         const SPACING: f64 = 0.05;
@@ -272,12 +273,14 @@ impl Continuation<'_> {
         let effects = (0..nodes.len()).map(|k| effect(k).unwrap_or(f64::NAN));
         let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
-        Some(LocatedZero {
+        let (of_polynomial, of_rounding) = (off(fewer[0]), off(fewer[1]));
+        let zero = LocatedZero {
             s,
             parameter,
             solution: nearest.cycle.clone(),
-            uncertainty: off(fewer[0]) + off(fewer[1]) + of_steps,
-        })
+            uncertainty: of_polynomial + of_rounding + of_steps,
+        };
+        Some((zero, of_polynomial))
     }
 
     /// An uncertainty, with what rounding leaves of a parameter's last digits. Where it
