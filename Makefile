@@ -149,7 +149,7 @@ DOCS_VENV := target/docs-venv
 DOCS := target/docs/html
 
 docs: wheel ## The site: target/docs/html/index.html, every code block run; needs Python 3.11 or later
-	test -n "$$PROGRAM_IS_BUILT" || $(CARGO) build --locked -p stickslip-cli
+	if test -n "$$PROGRAM_IS_BUILT"; then test -x $(STICKSLIP); else $(CARGO) build --locked -p stickslip-cli; fi
 	test -x $(DOCS_VENV)/bin/python || $(PYTHON) -m venv $(DOCS_VENV)
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check -r docs/requirements.txt
 	$(DOCS_VENV)/bin/python -m pip install --quiet --disable-pip-version-check --force-reinstall --no-deps dist/*.whl
@@ -194,7 +194,7 @@ check: ## Formatting, lines, lints and documentation, every warning an error
 	    || { echo "the lines above are longer than 100 columns" >&2; exit 1; }
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
-	$(CARGO) clippy --locked -p stickslip-replication --no-default-features --lib --bins --tests -- -D warnings
+	$(CARGO) clippy --locked -p stickslip-replication -p stickslip-cli --no-default-features --lib --bins --tests -- -D warnings
 	$(CARGO) test --locked --quiet -p output --features png
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 

@@ -27,7 +27,7 @@ pip() {
     mkdir -p target
     "$venv/bin/python" -m pip --disable-pip-version-check "$@" >"$log" 2>&1 && return
     # A reachable index has versions of every package that is installed here.
-    if grep -q 'connection broken by\|from versions: none' "$log"; then
+    if [[ " $* " != *" --no-index "* ]] && grep -q 'connection broken by\|from versions: none' "$log"; then
         echo "not tested: the Python package index cannot be reached; try again with a network" >&2
         exit 75
     fi

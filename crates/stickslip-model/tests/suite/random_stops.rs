@@ -248,6 +248,8 @@ fn found(chain: &Chain, system: &System, method: &str) -> Found {
     let ended = follow(dynamics, from, UNTIL, &options, &[], &mut watcher);
     let ending = match ended {
         Ok(_) => "end time".to_owned(),
+        // Only so far is told in the docs.
+        Err(Error::BehindStop { gap, .. }) if gap < -1e-8 => format!("far behind a stop: {gap:e}"),
         Err(error) => name(&error),
     };
     // A run that is refused behind a stop shows it in its last step.

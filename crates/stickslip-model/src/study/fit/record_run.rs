@@ -279,10 +279,14 @@ impl RecordRun {
             let slopes = slopes.rows(0, states) * &weights;
             for (k, observed) in self.observed.iter().enumerate() {
                 let (value, row) = self.observation(observed, *t, (point, &slopes), sought);
-                let scaled = point.iter().enumerate();
-                let scaled = scaled.map(|(i, x)| Dual::new(*x, if i < states { *x } else { 0.0 }));
-                let scaled: Vec<Dual<f64>> = scaled.collect();
-                at.sizes[k].push(observed.value(*t, &scaled).eps.abs());
+                let sizes = (0..states).map(|state| {
+                    let seeded = point.iter().enumerate();
+                    let seed = |i: usize| f64::from(u8::from(i == state));
+                    let seeded = seeded.map(|(i, x)| Dual::new(*x, seed(i)));
+                    let seeded: Vec<Dual<f64>> = seeded.collect();
+                    (observed.value(*t, &seeded).eps * point[state]).abs()
+                });
+                at.sizes[k].push(sizes.sum());
                 at.values[k].push(value);
                 at.slopes[k].push(row);
             }
