@@ -549,7 +549,7 @@ fn the_graze_of_a_wall_is_located_on_the_branch_that_touches_it() {
 /// The orbit of amplitude 1/√((1 − w²)² + (0.1 w)²) in closed form, with the wall exactly there: no
 /// neighbour on its other side has a like impact.
 #[test]
-fn an_exact_graze_has_neither_multipliers_nor_exponents() {
+fn an_exact_graze_has_no_monodromy_matrix() {
     let w = 2.5;
     let square: f64 = (1.0 - w * w) * (1.0 - w * w) + 0.01 * w * w;
     let start = [(1.0 - w * w) / square, 0.1 * w * w / square];
@@ -566,25 +566,15 @@ fn an_exact_graze_has_neither_multipliers_nor_exponents() {
         ));
         let dynamics = system.dynamics();
         let flow = monodromy(dynamics, 0.0, &start[..], period, &options(method));
-        let settings = SpectrumOptions::over(20.0 * period, 100.0 * period).solver(options(method));
-        let spectrum = lyapunov_spectrum(dynamics, (0.0, &start[..]), &settings);
         match beyond > 0.0 {
             true => {
                 let determinant = flow.unwrap().matrix.determinant();
                 assert!((determinant - math::exp(-0.1 * period)).abs() < 1e-10);
-                let sum: f64 = spectrum
-                    .unwrap()
-                    .exponents
-                    .iter()
-                    .map(|one| one.value())
-                    .sum();
-                assert!((sum + 0.1).abs() < 1e-9, "{method}: {sum}");
             }
             false => {
-                // The spectrum is that of the time until then, with the error.
-                let errors = [flow.unwrap_err(), spectrum.unwrap().ended.unwrap()];
-                let is_graze = |error: &Error| matches!(error, Error::TangentSingular { .. });
-                assert!(errors.iter().all(is_graze), "{method}: {errors:?}");
+                let error = flow.unwrap_err();
+                let is_graze = matches!(error, Error::TangentSingular { .. });
+                assert!(is_graze, "{method}: {error:?}");
             }
         }
     }

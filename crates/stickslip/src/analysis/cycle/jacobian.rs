@@ -346,7 +346,7 @@ impl Jacobian {
                 break;
             }
         }
-        Some(best)
+        best.iter().all(|value| value.is_finite()).then_some(best)
     }
 
     /// The residual of a solution, and the least fraction by which entries of the equations must
@@ -368,7 +368,9 @@ impl Jacobian {
             };
             residual[k].abs() / size.max(f64::MIN_POSITIVE)
         };
-        let error = (0..right.len()).map(error).fold(0.0, f64::max);
+        // A residual that is not a number is no solution.
+        let worse = |most: f64, error: f64| if error <= most { most } else { error };
+        let error = (0..right.len()).map(error).fold(0.0, worse);
         (residual, error)
     }
 

@@ -23,12 +23,19 @@ impl Determinant {
         .times(value)
     }
 
-    /// The product with a normal number or zero. What is smaller counts as zero.
+    /// The product with a number. One below the normal numbers counts as zero, and one that is not
+    /// finite makes the product not a number.
     pub(super) fn times(self, factor: f64) -> Self {
         // Bits of the fraction, and the exponent of 1 in the bits.
         const FRACTION: u32 = 52;
         const EXPONENT_OF_ONE: i32 = 1023;
         let product = self.mantissa * factor;
+        if !product.is_finite() {
+            return Determinant {
+                mantissa: f64::NAN,
+                exponent: 0,
+            };
+        }
         if !product.is_normal() {
             return Determinant::ZERO;
         }

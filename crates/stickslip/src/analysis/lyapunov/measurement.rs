@@ -1,6 +1,5 @@
 //! A frame of tangent vectors along an orbit, and the sums of their growth.
 
-use super::super::graze::{check_step, is_graze};
 use super::super::instant::LastEvent;
 use super::super::tangent::{Saltation, Tangent, flatten, singular};
 use super::averages::Growth;
@@ -8,7 +7,7 @@ use super::frame::Frame;
 use super::settings::SpectrumOptions;
 use super::spectrum::{Spectrum, uncertainties};
 use super::volume::growth;
-use crate::analysis::cycle::{SegmentEnd, unit};
+use crate::analysis::cycle::unit;
 use crate::dynamics::{
     Dynamics, Matrix, Modes, Moment, OrbitUnderWay, Step, Summary, Transition, Vector,
 };
@@ -354,7 +353,6 @@ impl Measurement<'_> {
         if !(self.is_at_place(&step.x_start) && self.is_at_place(&step.x_end)) {
             self.narrow = (step.end(), 0);
         }
-        check_step(&self.tangent, step, orbit)?;
         self.carry(step, orbit)?;
         if !self.is_settling {
             self.growth.tick(step.t_end);
@@ -417,13 +415,6 @@ impl Measurement<'_> {
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
         let cause = self.last.cause_of(self.tangent.system, at);
-        if is_graze(
-            &self.tangent,
-            at,
-            &SegmentEnd::of(self.tangent.system, at, cause),
-        ) {
-            return Err(singular(at.t, &at.x));
-        }
         let columns = self.frame.columns_mut();
         let Some(jump) = self.tangent.passed(at, cause, columns)? else {
             return Ok(());
