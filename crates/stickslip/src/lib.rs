@@ -255,6 +255,7 @@ mod orbit;
 pub mod scalar;
 mod system;
 mod taylor;
+mod taylor_model;
 
 /// The crate whose vectors and matrices appear in signatures. Use this one, so that the versions
 /// agree.

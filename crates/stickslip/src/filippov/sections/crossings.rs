@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::function_series::FunctionSeries;
 use super::over_step::{EventProbe, OverStep};
 use super::search::Standing;
 use super::{Direction, EventFunctions};
@@ -10,6 +11,7 @@ use crate::filippov::scan::{
     first_bracket_within, stays_positive, zero_in,
 };
 use crate::filippov::switched::Switched;
+use crate::ode::Timed;
 
 /// Growth of the distance from a zero to the next point at which the function is evaluated again.
 /// Chosen: ten evaluations then cover a step from [`FIRST_PROBE`] on.
@@ -30,8 +32,8 @@ const SINGLE_VALUE: f64 = 0.0625;
 /// Largest number of Newton iterations for a zero: twice what bisection alone takes.
 const MAX_ITERATIONS: usize = 100;
 
-/// Receives a crossing, and may end the search.
-type OnCrossing<'a, const N: usize> = dyn FnMut(&EventProbe<N>, Direction) -> ControlFlow<()> + 'a;
+/// Receives time, state and rate of a crossing, and may end the search.
+type OnCrossing<'a, const N: usize> = dyn FnMut((Timed<N>, f64), Direction) -> ControlFlow<()> + 'a;
 
 /// The search for the sign changes of one function over one step.
 pub(super) struct Crossings<'a, S, V, K, const N: usize, const G: usize> {
@@ -92,6 +94,9 @@ where
     /// or after the crossing that ended the search.
     #[inline(always)]
     pub(super) fn each(&mut self, on_crossing: &mut OnCrossing<'_, N>) -> ControlFlow<()> {
+        if self.over.on_series.is_some() {
+            return self.search(on_crossing);
+        }
         self.samples = self.over.samples();
         let is_far = self.side != 0.0 && far_from_zero(&self.samples.map(|v| self.side * v));
         // Nearly every step returns here. Samples do not see a function that varies faster than
@@ -220,7 +225,7 @@ where
             Direction::Falling
         };
         self.side = -self.side;
-        on_crossing(at, direction)
+        on_crossing(self.over.state(at), direction)
     }
 
     /// First point where a function that may be at zero is beyond rounding; `None` if there is none
@@ -254,6 +259,9 @@ where
     }
 
     fn next(&self, from: &EventProbe<N>) -> NextCrossing<N> {
+        if let Some(on_series) = &self.over.on_series {
+            return self.next_on(on_series.series, from);
+        }
         let height = &mut |s: f64| self.height(s);
         let Some(bracket) = self.first_bracket(from.s) else {
             return NextCrossing::End;
@@ -284,6 +292,24 @@ where
             Some(zero) => NextCrossing::Crossing(zero, after),
             None => NextCrossing::Clear(after),
         }
+    }
+
+    /// The next crossing of polynomials, which have one at most from one turn to the next.
+    fn next_on(&self, series: &FunctionSeries, from: &EventProbe<N>) -> NextCrossing<N> {
+        let mut before = *from;
+        for &(s, _) in series.turns().iter().filter(|turn| turn.0 > from.s) {
+            let after = self.exact(s);
+            if self.side * after.value < -self.over.rounding_at(&after) {
+                let part = before.value / (before.value - after.value);
+                let estimate = before.s + part * (after.s - before.s);
+                return match self.zero(&before, &after, estimate) {
+                    Some(zero) => NextCrossing::Crossing(zero, after),
+                    None => NextCrossing::Clear(after),
+                };
+            }
+            before = after;
+        }
+        NextCrossing::End
     }
 
     /// The zero between two places by Newton's iteration, held between them by bisection; `None`

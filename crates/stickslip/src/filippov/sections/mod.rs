@@ -1,8 +1,10 @@
 //! Events of the user's own: zeros of functions that do not affect the motion, searched in every
 //! step after it was taken.
 
+mod affine;
 mod common;
 mod crossings;
+mod function_series;
 mod over_step;
 mod search;
 mod solve;

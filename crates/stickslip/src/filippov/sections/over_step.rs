@@ -4,6 +4,7 @@
 use std::cell::OnceCell;
 
 use super::EventFunctions;
+use super::function_series::{FunctionSeries, OnSeries};
 use crate::dual::Dual;
 use crate::filippov::flow::Flow;
 use crate::filippov::flow::gradient;
@@ -14,7 +15,14 @@ use crate::filippov::switched::{Switched, UseFlow, Velocity};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::interval::Interval;
 use crate::ode::{Dop853, Rk4, RungeKutta, SolutionTerms, Timed, step_end};
+use crate::scalar::Scalar;
 use crate::system::{State, components};
+use crate::taylor::MAX_ORDER;
+use crate::taylor_model::TaylorModel;
+
+/// Largest distance between a zero of a function and of its polynomial (fraction of the step).
+/// Chosen far above their error.
+const NEWTON_RANGE: f64 = 1e-6;
 
 /// The solution over a step, evaluated once for all functions.
 pub(super) struct SampledStep<'a, K, const N: usize> {
@@ -25,12 +33,21 @@ pub(super) struct SampledStep<'a, K, const N: usize> {
     terms: OnceCell<SolutionTerms<N>>,
     enclosure: OnceCell<[Interval; N]>,
     wide: OnceCell<[Interval; N]>,
-    /// Such boxes over the halves of the step, each followed by those over its own halves.
+    /// Such boxes over [`PARTS`], and time and state as functions there.
     parts: [OnceCell<[Interval; N]>; PARTS.len()],
+    models: [OnceCell<Box<TimedModel<N>>>; PARTS.len()],
 }
 
-/// The halves of a step, each followed by its own halves.
-const PARTS: [(f64, f64); 6] = [
+/// A function this far from zero, in parts of its size, needs no accuracy. Chosen far above the
+/// rounding of its polynomial.
+const FAR: f64 = 1e-3;
+
+/// Time and state over a part of a step.
+type TimedModel<const N: usize> = (TaylorModel, [TaylorModel; N]);
+
+/// A step, and its halves, each followed by its own halves.
+const PARTS: [(f64, f64); 7] = [
+    (0.0, 1.0),
     (0.0, 0.5),
     (0.0, 0.25),
     (0.25, 0.5),
@@ -38,46 +55,6 @@ const PARTS: [(f64, f64); 6] = [
     (0.5, 0.75),
     (0.75, 1.0),
 ];
-
-/// An affine function of time and state.
-pub(super) struct Affine<const N: usize> {
-    normal: State<N>,
-    in_time: f64,
-    constant: f64,
-}
-
-impl<const N: usize> Affine<N> {
-    /// Event function `number`, if it is affine.
-    pub(super) fn of(events: &impl EventFunctions<N>, number: usize) -> Option<Self> {
-        if !events.is_affine(number) {
-            return None;
-        }
-        let (t, x) = (0.0, State::from([0.0; N]));
-        let value = |t, x: &_| events.value(number, t, x);
-        let (normal, in_time) = gradient(value, &Timed { t, x }, N);
-        Some(Affine {
-            normal,
-            in_time,
-            constant: events.value(number, t, components(&x)),
-        })
-    }
-
-    /// Whether it certainly has the sign `side` throughout a step of states of this size.
-    fn has_sign<K>(&self, side: f64, over: &SampledStep<'_, K, N>, of: &State<N>) -> bool {
-        let StepRecord { t_start, dense, .. } = over.step;
-        let half = 0.5 * dense.h * self.in_time;
-        let of_time = [self.in_time * dense.t0, half, self.in_time * t_start];
-        let range = over.terms().range_along(&self.normal, half);
-        let size = self.constant.abs() + of_time.iter().map(|part| part.abs()).sum::<f64>();
-        let size = size + self.normal.abs().dot(of);
-        let middle = 0.5 * (range.low + range.high) + (self.constant + (of_time[0] + half));
-        let reach = 0.5 * (range.high - range.low) + AFFINE_ROUNDING * size;
-        side * middle > reach
-    }
-}
-
-/// Rounding of an affine function, relative to the size of its terms.
-const AFFINE_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl<'a, K, const N: usize> SampledStep<'a, K, N> {
     pub(super) fn new(step: &'a StepRecord<N, K>) -> Self {
@@ -88,6 +65,7 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
             enclosure: OnceCell::new(),
             wide: OnceCell::new(),
             parts: [const { OnceCell::new() }; PARTS.len()],
+            models: [const { OnceCell::new() }; PARTS.len()],
         }
     }
 
@@ -111,7 +89,7 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
         self.nodes.get_or_init(|| UNIT_NODES.map(|s| self.at(s)))
     }
 
-    fn terms(&self) -> &SolutionTerms<N> {
+    pub(super) fn terms(&self) -> &SolutionTerms<N> {
         self.terms.get_or_init(|| self.step.dense.terms())
     }
 
@@ -122,6 +100,26 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
 
     fn enclosure(&self) -> &[Interval; N] {
         self.enclosure.get_or_init(|| self.terms().enclosure())
+    }
+
+    /// Time and state over one of [`PARTS`] of a Taylor step.
+    fn models(&self, number: usize) -> &TimedModel<N> {
+        self.models[number].get_or_init(|| {
+            let StepRecord {
+                t_start,
+                t_end,
+                dense,
+                ..
+            } = self.step;
+            let length = t_end - t_start;
+            let (from, to) = (PARTS[number].0 * length, PARTS[number].1 * length);
+            let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+            let mut t = TaylorModel::constant(t_start + middle);
+            t.c[1] = half;
+            let coefficients = dense.series().unwrap_or_default();
+            let along = TaylorModel::along(coefficients, middle / dense.h, half / dense.h);
+            Box::new((t, along))
+        })
     }
 
     /// The box over one of [`PARTS`], with its times.
@@ -154,16 +152,19 @@ pub(super) struct OverStep<'a, S, V, K, const N: usize> {
     pub size: &'a State<N>,
     /// Value that counts as zero: 0, or the remainder of a zero at which the function stood.
     pub zero: f64,
+    /// The function as polynomials, if the step is a Taylor step.
+    pub on_series: Option<OnSeries<'a>>,
 }
 
-/// A state in a step, with the function's value and rate.
+/// A function's value and rate at a place in a step.
 #[derive(Clone, Copy)]
 pub(super) struct EventProbe<const N: usize> {
     pub s: f64,
-    pub at: Timed<N>,
     pub value: f64,
     /// Rate in time, along the motion.
     pub rate: f64,
+    /// Time and state; `None` where the function needs neither.
+    at: Option<Timed<N>>,
 }
 
 impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> {
@@ -189,6 +190,9 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
 
     /// The function at the step's start.
     pub(super) fn value_at_start(&self) -> f64 {
+        if let Some(on_series) = &self.on_series {
+            return on_series.start;
+        }
         let StepRecord {
             t_start, x_start, ..
         } = *self.step();
@@ -196,6 +200,12 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
             t: t_start,
             x: x_start,
         })
+    }
+
+    /// The function at the step's end.
+    pub(super) fn value_at_end(&self) -> f64 {
+        let StepRecord { t_end, x_end, .. } = *self.step();
+        self.value(&Timed { t: t_end, x: x_end })
     }
 
     #[inline(always)]
@@ -208,28 +218,26 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         self.events.is_as_smooth_as_state(self.number)
     }
 
-    /// Whether boxes of the states, or the solution itself, prove that the function has the sign
-    /// `side`.
-    pub(super) fn is_clear_throughout(&self, side: f64, affine: Option<&Affine<N>>) -> bool {
-        if let Some(affine) = affine {
-            return affine.has_sign(side, self.over, self.size);
-        }
+    /// Whether a box of the states proves that the function has the sign `side`.
+    pub(super) fn is_clear_in_box(&self, side: f64) -> bool {
         let step = self.step();
         let times = Interval::new(step.t_start, step.t_end);
         let is_clear = |states: &[Interval; N]| self.has_sign(side, times, states);
-        if is_clear(self.over.wide_enclosure()) || is_clear(self.over.enclosure()) {
-            return true;
-        }
-        let (t, x) = (step.t_end, step.x_end);
+        is_clear(self.over.wide_enclosure()) || is_clear(self.over.enclosure())
+    }
+
+    /// Whether boxes of the states in parts of the step prove that the function has the sign
+    /// `side`.
+    pub(super) fn is_clear_in_parts(&self, side: f64) -> bool {
         // Otherwise it changes its sign, and no box excludes that.
-        if side * self.value(&Timed { t, x }) <= 0.0 {
+        if side * self.value_at_end() <= 0.0 {
             return false;
         }
         let is_clear = |part: usize| {
             let (times, states) = self.over.part(part);
             self.has_sign(side, times, states)
         };
-        [0, 3]
+        [1, 4]
             .iter()
             .all(|&half| is_clear(half) || is_clear(half + 1) && is_clear(half + 2))
     }
@@ -252,8 +260,25 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         })
     }
 
-    /// State and function as exactly as the step gives them.
+    /// The function as exactly as the step gives it.
     pub(super) fn exact<const G: usize>(&self, s: f64) -> EventProbe<N>
+    where
+        S: Switched<N, G, Mode = K>,
+    {
+        let Some(on_series) = &self.on_series else {
+            return self.located(s).1;
+        };
+        let (value, slope) = on_series.at(s);
+        EventProbe {
+            s,
+            value: value - self.zero,
+            rate: slope / self.length(),
+            at: None,
+        }
+    }
+
+    /// State and function as exactly as the step gives them.
+    fn located<const G: usize>(&self, s: f64) -> (Timed<N>, EventProbe<N>)
     where
         S: Switched<N, G, Mode = K>,
     {
@@ -275,17 +300,94 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         let along = std::array::from_fn(|i| Dual::new(x[i], velocity[i]));
         let function = |t, x: &[Dual<f64>; N]| self.events.value(self.number, t, x);
         let Dual { re, eps } = function(Dual::new(at.t, 1.0), &along);
-        EventProbe {
+        let probe = EventProbe {
             s,
-            at,
             value: re - self.zero,
             rate: eps,
+            at: Some(at),
+        };
+        (at, probe)
+    }
+
+    /// Time and state at a zero, and the rate of the function there.
+    pub(super) fn state<const G: usize>(&self, zero: &EventProbe<N>) -> (Timed<N>, f64)
+    where
+        S: Switched<N, G, Mode = K>,
+    {
+        if let Some(at) = zero.at {
+            return (at, zero.rate);
         }
+        let (mut at, mut probe) = self.located(zero.s);
+        let is_affine = self.on_series.is_some_and(|on_series| on_series.is_affine);
+        let nearer = zero.s - probe.value / (probe.rate * self.length());
+        // Polynomials are as near to other functions as these to rounding. One step closes that.
+        let is_near = (nearer - zero.s).abs() <= NEWTON_RANGE && (0.0..1.0).contains(&nearer);
+        if !is_affine && zero.s < 1.0 && is_near {
+            (at, probe) = self.located(nearer);
+        }
+        (at, probe.rate)
     }
 
     /// Rounding of the function at a zero near a probe.
     pub(super) fn rounding_at(&self, probe: &EventProbe<N>) -> f64 {
-        self.rounding(&probe.at)
+        let of_series = || self.on_series.map_or(0.0, |on_series| on_series.rounding);
+        probe
+            .at
+            .as_ref()
+            .map_or_else(of_series, |at| self.rounding(at))
+    }
+
+    /// Writes the function to `series`, if polynomials represent it to rounding over the step.
+    /// Returns its rounding.
+    pub(super) fn expand(&self, series: &mut FunctionSeries) -> Option<f64> {
+        series.clear();
+        self.step().dense.series()?;
+        let mut rounding = 0.0;
+        self.expand_part(0, series, &mut rounding)
+            .then_some(rounding)
+    }
+
+    /// The function as the polynomials that represent it, if it has the sign `side` at the start of
+    /// the step by more than rounding, and ends where they do.
+    pub(super) fn on<'s>(
+        &self,
+        series: &'s FunctionSeries,
+        (side, rounding): (f64, f64),
+    ) -> Option<OnSeries<'s>> {
+        let (start, end) = (self.value_at_start(), self.value_at_end());
+        (side * start > rounding && series.ends_at(end, rounding)).then_some(OnSeries {
+            series,
+            constant: 0.0,
+            start,
+            end,
+            rounding,
+            is_affine: false,
+        })
+    }
+
+    fn expand_part(&self, part: usize, series: &mut FunctionSeries, rounding: &mut f64) -> bool {
+        let (t, x) = self.over.models(part);
+        let Some(model) = Interval::decided(|| self.events.value(self.number, *t, x)) else {
+            return false;
+        };
+        let range = model.range();
+        let nearest = f64::max(range.low, -range.high);
+        let size = STATE_ROUNDING * model.size();
+        let is_far = nearest > FAR * model.size();
+        if is_far || size.is_finite() && model.rest <= size {
+            let (from, to) = PARTS[part];
+            *series.add((from, to - from), MAX_ORDER) = model.powers_of_fraction();
+            *rounding = f64::max(*rounding, if is_far { 0.0 } else { size });
+            return true;
+        }
+        let halves = match part {
+            0 => [1, 4],
+            1 | 4 => [part + 1, part + 2],
+            _ => return false,
+        };
+        halves
+            .iter()
+            .all(|&half| self.expand_part(half, series, rounding))
     }
 
     /// Rounding of the function at a zero near the step's start.
@@ -297,7 +399,7 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
     pub(super) fn end(&self) -> (f64, f64) {
         let StepRecord { t_end, x_end, .. } = *self.step();
         let at = Timed { t: t_end, x: x_end };
-        (self.value(&at), self.rounding(&at))
+        (self.value_at_end(), self.rounding(&at))
     }
 
     fn rounding(&self, at: &Timed<N>) -> f64 {
@@ -351,10 +453,10 @@ impl<K, const N: usize> UseFlow<N> for StateInStep<'_, K, N> {
 mod tests {
     use numerics::SplitMix;
 
+    use super::super::affine::Slopes;
     use super::*;
     use crate::filippov::integration::{Integration, Progress};
     use crate::filippov::options::Options;
-    use crate::scalar::Scalar;
     use crate::system::{Filippov, Side};
 
     /// An oscillator of frequency 1.
@@ -398,7 +500,11 @@ mod tests {
             while run.step().unwrap() == Progress::Step {
                 let step = run.last_step();
                 let over = SampledStep::new(&step);
-                for number in 0..levels.count() {
+                let (functions, mut slopes) = Slopes::of(&levels);
+                for slopes in &mut slopes {
+                    slopes.follow(&over, &step.x_end.abs());
+                }
+                for (number, affine) in functions.into_iter().enumerate() {
                     let of = OverStep {
                         system: &Oscillator,
                         events: &levels,
@@ -408,18 +514,22 @@ mod tests {
                         method,
                         size: &step.x_end,
                         zero: 0.0,
+                        on_series: None,
                     };
                     let side = of.sampled(0.5).signum();
-                    let affine = Affine::of(&levels, number);
                     assert_eq!(affine.is_some(), number < 200);
-                    let is_clear = of.is_clear_throughout(side, affine.as_ref());
+                    let mut is_clear_throughout = |side| match affine {
+                        Some(affine) => slopes[affine.slopes].has_sign(side, affine),
+                        None => of.is_clear_in_box(side) || of.is_clear_in_parts(side),
+                    };
+                    let is_clear = is_clear_throughout(side);
                     let mut samples = (0..=64).map(|k| of.sampled(f64::from(k) / 64.0));
                     let has_sign = samples.all(|value| side * value > 0.0);
                     assert!(has_sign || !is_clear, "{number}");
                     assert!(is_clear || number < 200, "half the distance to a circle");
                     clear += u32::from(is_clear);
                     without_zero += u32::from(has_sign);
-                    assert!(!of.is_clear_throughout(-side, affine.as_ref()));
+                    assert!(!is_clear_throughout(-side));
                 }
             }
             // Terms that reach their bounds at other times hide some.

@@ -2,8 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use super::affine::{Affine, Slopes};
 use super::crossings::Crossings;
-use super::over_step::{Affine, OverStep, SampledStep};
+use super::function_series::FunctionSeries;
+use super::over_step::{OverStep, SampledStep};
 use super::{EventFunctions, EventRecord};
 use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
 use crate::filippov::integration::Integration;
@@ -70,8 +72,11 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     /// Knowledge of each function at the end of the last step, and at its start.
     known: Vec<Known>,
     known_before: Vec<Known>,
-    /// Each function that is affine.
-    affine: Vec<Option<Affine<N>>>,
+    /// Each function that is affine, and the slopes that these have.
+    affine: Vec<Option<Affine>>,
+    slopes: Vec<Slopes<N>>,
+    /// Room for a function that is not.
+    series: FunctionSeries,
     /// Recent size of the state's components, and that at the start of the last step.
     size: State<N>,
     size_before: State<N>,
@@ -100,13 +105,14 @@ where
 {
     /// A search through successive steps of one run of `system` with `options`, from any step on.
     pub fn new(system: &'a S, events: V, options: &Options) -> Self {
+        let (affine, slopes) = Slopes::of(&events);
         EventSearch {
             system,
             known: vec![Known::default(); events.count()],
             known_before: Vec::new(),
-            affine: (0..events.count())
-                .map(|number| Affine::of(&events, number))
-                .collect(),
+            affine,
+            slopes,
+            series: FunctionSeries::new(),
             events,
             method: options.method,
             size: State::zeros(),
@@ -157,8 +163,20 @@ where
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
         let sampled = SampledStep::new(step);
+        for slopes in &mut self.slopes {
+            slopes.follow(&sampled, &self.size);
+        }
         for number in 0..self.known.len() {
-            let over = OverStep {
+            let Known { side, standing } = self.known[number];
+            let has_left = side != 0.0 && matches!(standing, Standing::Left);
+            let affine = self.affine[number];
+            if let Some(of) = affine
+                && has_left
+                && self.slopes[of.slopes].has_sign(side, of)
+            {
+                continue;
+            }
+            let mut over = OverStep {
                 system: self.system,
                 events: &self.events,
                 number,
@@ -167,25 +185,43 @@ where
                 method: self.method,
                 size: &self.size,
                 zero: 0.0,
+                on_series: None,
             };
-            let Known { side, standing } = self.known[number];
-            let has_left = side != 0.0 && matches!(standing, Standing::Left);
-            if has_left && over.is_clear_throughout(side, self.affine[number].as_ref()) {
-                continue;
-            }
+            let series = &mut self.series;
+            over.on_series = match affine {
+                // Flights that accumulate are told apart by the rounding of single values.
+                Some(_) if self.only_first => None,
+                Some(of) => self.slopes[of.slopes].function(of),
+                // What is left of a zero is known more precisely than polynomials are.
+                None if !has_left => None,
+                None if over.is_clear_in_box(side) => continue,
+                None if self.only_first && over.is_clear_in_parts(side) => continue,
+                None if self.only_first => None,
+                None => match over.expand(series) {
+                    Some(rounding)
+                        if series.has_sign(side, rounding)
+                            && side * over.value_at_end() > rounding =>
+                    {
+                        continue;
+                    }
+                    Some(rounding) => over.on(series, (side, rounding)),
+                    None if over.is_clear_in_parts(side) => continue,
+                    None => None,
+                },
+            };
             let (requested, only_first) = (self.events.direction(number), self.only_first);
             let events = &mut self.last_events;
             let mut crossings = Crossings::<S, V, _, N, G>::new(over, side);
             let standing = crossings.stand(standing);
-            let _ = crossings.each(&mut |probe, direction| {
+            let _ = crossings.each(&mut |(Timed { t, x }, rate), direction| {
                 if requested.includes(direction) {
                     events.push(EventRecord {
                         number,
-                        t: probe.at.t,
-                        x: probe.at.x,
+                        t,
+                        x,
                         mode: step.mode,
                         direction,
-                        rate: probe.rate,
+                        rate,
                     });
                     if only_first {
                         return ControlFlow::Break(());
