@@ -1,6 +1,6 @@
 //! Events near times of the data: the residuals jump where one passes the other.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresEnd, LeastSquaresSettings, least_squares};
+use stickslip::analysis::{LeastSquares, LeastSquaresSettings, least_squares};
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::error::readable;
 use stickslip::nalgebra::SVD;
@@ -134,7 +134,7 @@ pub(super) fn beyond_events(
     work: &mut FitWork,
 ) -> LeastSquares<Sequence> {
     for _ in 0..MOST_SIDES {
-        let Some(wrong) = better_beyond(problem, &best.x, work) else {
+        let Some(wrong) = better_beyond(problem, &best.x) else {
             break;
         };
         let Some(settings) = work.settings_left(settings) else {
@@ -160,8 +160,7 @@ pub(super) fn beyond_events(
             break;
         };
         work.add(&again);
-        let has_converged = again.end != LeastSquaresEnd::Evaluations;
-        if !has_converged || !(again.cost < best.cost) {
+        if again.cost >= best.cost {
             break;
         }
         best = again;
@@ -175,7 +174,7 @@ fn stepped(problem: &FitProblem<'_>, x: Vector, work: &mut FitWork) -> Vector {
     let (mut lowest, mut best) = (problem.cost(&x), x.clone());
     let mut x = x;
     for _ in 0..MOST_STEPS {
-        let Some(wrong) = better_beyond(problem, &x, work) else {
+        let Some(wrong) = better_beyond(problem, &x).filter(|_| work.left() > 0) else {
             break;
         };
         let furthest = wrong.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -197,18 +196,13 @@ fn stepped(problem: &FitProblem<'_>, x: Vector, work: &mut FitWork) -> Vector {
     best
 }
 
-/// The residuals of values that are fitted better beyond an event. Each comes with the standard
-/// errors of its time to there, and the likeliest step of the unknowns that takes it there. None
-/// where there are no such values, or where no evaluation is left.
-fn better_beyond(
-    problem: &FitProblem<'_>,
-    x: &Vector,
-    work: &mut FitWork,
-) -> Option<Vec<(usize, f64, Vector)>> {
-    if !problem.may_jump() || work.left() == 0 {
+/// The residuals of values that are fitted better beyond an event, with the standard errors of its
+/// time to there and the likeliest step of the unknowns that takes it there; none where there are
+/// no such values.
+fn better_beyond(problem: &FitProblem<'_>, x: &Vector) -> Option<Vec<(usize, f64, Vector)>> {
+    if !problem.may_jump() {
         return None;
     }
-    work.evaluations += 1;
     let at = problem.modelled_beyond(x).ok()?;
     let directions = directions(&at.jacobian)?;
     let all = passable(problem, &at, &directions);

@@ -250,32 +250,8 @@ fn minima(
     starts: &[Vector],
     settings: &LeastSquaresSettings,
 ) -> Result<Vec<LeastSquares<Sequence>>, FitError> {
-    let search = |given: &Vector| {
-        let (fitted, mut work) = problem.with_observables_fitted(given, settings);
-        // On a wrong orbit the best gain may be none, so the given start is tried as well.
-        let mut best: Option<Result<LeastSquares<Sequence>, record_run::Failed>> = None;
-        for start in [Some(&fitted), Some(given).filter(|given| **given != fitted)] {
-            let (Some(start), Some(left)) = (start, work.settings_left(settings)) else {
-                continue;
-            };
-            let found = least_squares(start, &left, |x| problem.residuals(x));
-            match &found {
-                Ok(found) => work.add(found),
-                Err(_) => work.evaluations += 1,
-            }
-            best = match (best, found) {
-                (Some(Ok(best)), Ok(found)) if found.cost < best.cost => Some(Ok(found)),
-                (Some(Ok(best)), _) => Some(Ok(best)),
-                (_, found) => Some(found),
-            };
-        }
-        best.map(|found| {
-            let mut found = found?;
-            work.set_in(&mut found);
-            Ok(found)
-        })
-    };
-    let searches = starts.par_iter().filter_map(search);
+    let searches = starts.par_iter();
+    let searches = searches.map(|start| least_squares(start, settings, |x| problem.residuals(x)));
     let searches: Vec<Result<LeastSquares<Sequence>, _>> = searches.collect();
     problem.check_interrupt()?;
     let (mut found, mut first_error) = (Vec::new(), None);

@@ -39,16 +39,6 @@ impl FitWork {
         })
     }
 
-    /// Makes this work that of a search.
-    pub(super) fn set_in<P>(self, search: &mut LeastSquares<P>) {
-        search.steps = self.steps;
-        search.evaluations = self.evaluations;
-        search.failures = self.failures;
-        search.crossings = self.crossings;
-        search.jumps = self.jumps;
-    }
-
-    /// Counts a search.
     pub(super) fn add<P>(&mut self, search: &LeastSquares<P>) {
         self.steps += search.steps;
         self.evaluations += search.evaluations;
