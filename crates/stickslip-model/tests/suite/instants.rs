@@ -224,7 +224,7 @@ fn a_jump_of_time_alone_at_the_start_is_reported_as_done() {
                 x: Vector::from_vec(system.start().unwrap()),
             };
             assert_eq!(
-                jumps_at_start(&system, (start, &moment.x.as_slice())),
+                jumps_at_start(&system, (start, moment.x.as_slice())),
                 Ok(vec![3])
             );
             let mut orbit = RecordedOrbit::new(&moment, Sampling::Nowhere, false);
