@@ -70,8 +70,8 @@ pub(super) fn left_out(system: &System, (t, x): (f64, &[f64]), done: &[usize]) -
         names => format!("the jumps {} are", names.join(" and ")),
     };
     Some(format!(
-        "{words} due by time alone at the start, t = {}, and counts as done there; start earlier \
-         to have it happen",
+        "{words} due by time alone at the start, t = {}: that counts as done; start earlier \
+         otherwise",
         readable(t)
     ))
 }
