@@ -244,46 +244,10 @@ fn a_torus_is_named_in_ascii_for_other_programs() {
 
 /// Three lags under a relay. Either side's equilibrium is on the boundary where the threshold is
 /// ±1, and the orbit shrinks to it.
-const LAGS: &str = r#"
-name = "lags"
-[states]
-x = ""
-y = ""
-z = ""
-[parameters]
-b = { value = 0, range = [-2, 2] }
-[contacts.relay]
-boundary = "z - b"
-friction = "1"
-[field]
-x = "-x - friction(relay)"
-y = "x - y"
-z = "y - z"
-[start]
-x = 0.5
-y = 0.1
-z = 0.3
-"#;
+const LAGS: &str = include_str!("../../../stickslip-model/tests/data/lags.toml");
 
 /// A block on a belt whose static friction decreases to the kinetic one.
-const WEAK: &str = r#"
-name = "weak grip"
-[states]
-x = ""
-v = ""
-[parameters]
-s = { value = 1.5, range = [0, 3] }
-[contacts.belt]
-boundary = "v - 0.3"
-friction = "1/(1 + abs(v - 0.3))"
-static = "s"
-[field]
-x = "v"
-v = "-x - friction(belt)"
-[start]
-x = 0
-v = -1
-"#;
+const WEAK: &str = include_str!("../../../stickslip-model/tests/data/weak-grip.toml");
 
 #[test]
 fn ends_of_branches_are_reported_everywhere() {

@@ -512,26 +512,7 @@ fn hopf_point_and_boundary_equilibria_of_a_stribeck_oscillator_are_closed_forms(
 
 /// Three lags under a relay. Either side's equilibrium is on the boundary where the threshold is
 /// ±1, and the orbit shrinks to it.
-pub const LAGS: &str = r#"
-name = "lags"
-[states]
-x = ""
-y = ""
-z = ""
-[parameters]
-b = { value = 0, range = [-2, 2] }
-[contacts.relay]
-boundary = "z - b"
-friction = "1"
-[field]
-x = "-x - friction(relay)"
-y = "x - y"
-z = "y - z"
-[start]
-x = 0.5
-y = 0.1
-z = 0.3
-"#;
+pub const LAGS: &str = include_str!("../data/lags.toml");
 
 /// Welander's box model of the ocean (di Bernardo et al. 2008, 1.2). Below `eps = -1/15` it rests
 /// at (1/2, 1/3). Above, an oscillation approaches it next to the boundary.
@@ -574,24 +555,7 @@ fn a_branch_ends_in_an_equilibrium_on_the_boundary() {
 }
 
 /// A block on a belt whose static friction decreases to the kinetic one.
-const WEAK: &str = r#"
-name = "weak grip"
-[states]
-x = ""
-v = ""
-[parameters]
-s = { value = 1.5, range = [0, 3] }
-[contacts.belt]
-boundary = "v - 0.3"
-friction = "1/(1 + abs(v - 0.3))"
-static = "s"
-[field]
-x = "v"
-v = "-x - friction(belt)"
-[start]
-x = 0
-v = -1
-"#;
+const WEAK: &str = include_str!("../data/weak-grip.toml");
 
 /// If friction does not fall with speed, stick vanishes at the end, too, which is a change of
 /// phases.

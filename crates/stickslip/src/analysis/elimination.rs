@@ -190,9 +190,9 @@ impl Elimination {
         Some(image)
     }
 
-    /// For each column of the last group, the vector that is 1 there and 0 at the others of the
-    /// group, and of which the other components make the residual of the equations least. `None`
-    /// where there are too few equations.
+    /// One vector for each column of the last group: 1 there, and 0 at the others of the group. Its
+    /// other components make the residual of the equations least. `None` where there are too few
+    /// equations.
     pub fn fundamental(&self) -> Option<Vec<Vector>> {
         let solution = |&free: &usize| {
             let mut x = Vector::zeros(self.size);

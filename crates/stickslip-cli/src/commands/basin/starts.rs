@@ -80,8 +80,8 @@ mod tests {
 
     use super::*;
 
-    /// Ratio of the mean standard error of a share to the root mean square of its errors, for many
-    /// places of a set on a grid of 40 x 30 cells. All errors are within four standard errors.
+    /// Ratio of the mean standard error of a share to the root mean square of its errors. A set is
+    /// put at many places of a grid of 40 x 30 cells. All errors are within four standard errors.
     fn coverage(area: impl Fn([f64; 3]) -> f64, is_in: impl Fn([f64; 2], [f64; 3]) -> bool) -> f64 {
         let size = |n| NonZeroUsize::new(n).unwrap();
         let (columns, rows) = (size(40), size(30));

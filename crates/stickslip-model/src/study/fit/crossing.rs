@@ -160,7 +160,8 @@ pub(super) fn beyond_events(
             break;
         };
         work.add(&again);
-        if again.cost >= best.cost {
+        // A search that is cut off there reports so: the minimum before it is one of a wrong side.
+        if again.cost.is_nan() || again.cost >= best.cost {
             break;
         }
         best = again;
@@ -196,9 +197,9 @@ fn stepped(problem: &FitProblem<'_>, x: Vector, work: &mut FitWork) -> Vector {
     best
 }
 
-/// The residuals of values that are fitted better beyond an event, with the standard errors of its
-/// time to there and the likeliest step of the unknowns that takes it there; none where there are
-/// no such values.
+/// The residuals of values that are fitted better beyond an event. Each comes with the standard
+/// errors of the event's time to there, and with the likeliest step of the unknowns that takes it
+/// there. None where there are no such values.
 fn better_beyond(problem: &FitProblem<'_>, x: &Vector) -> Option<Vec<(usize, f64, Vector)>> {
     if !problem.may_jump() {
         return None;

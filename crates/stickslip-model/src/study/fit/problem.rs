@@ -229,15 +229,21 @@ impl<'r> FitProblem<'r> {
         self.modelled_to(x, false)
     }
 
-    /// Everything at a point, with events until after the last time of each record where the run
-    /// goes on.
+    /// Everything at a point, with events until after the last time of each record whose run goes
+    /// on.
     pub(super) fn modelled_beyond(&self, x: &Vector) -> Result<Modelled, Failed> {
-        self.modelled_to(x, true).or_else(|_| self.modelled(x))
+        self.modelled_to(x, true)
     }
 
     fn modelled_to(&self, x: &Vector, is_beyond: bool) -> Result<Modelled, Failed> {
         let runs = self.records.par_iter().enumerate();
-        let runs = runs.map(|(k, record)| record.at(k, x, (self.unknowns.len(), is_beyond)));
+        let runs = runs.map(|(k, record)| {
+            let run = |is_beyond| record.at(k, x, (self.unknowns.len(), is_beyond));
+            match is_beyond {
+                true => run(true).or_else(|_| run(false)),
+                false => run(false),
+            }
+        });
         // In order, so that the first failure is the same each time.
         let runs: Vec<Result<RecordAt, Failed>> = runs.collect();
         let runs = runs.into_iter().collect::<Result<Vec<_>, _>>()?;

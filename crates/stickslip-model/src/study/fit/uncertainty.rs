@@ -154,6 +154,9 @@ impl FitUncertainty {
         if problem.parts.is_none() {
             own.check_around(problem, (best, &at), (&inside, &directions));
         }
+        if best.end == LeastSquaresEnd::Change {
+            own.none = Some("the minimum lies where the sequence of phases changes".to_owned());
+        }
         // The passage of an event says more than a change of the phases.
         if problem.may_jump() {
             let whole = |direction: &Vector| {
@@ -169,9 +172,6 @@ impl FitUncertainty {
             if let Some(first) = passable {
                 own.none = Some(first.describe(problem));
             }
-        }
-        if best.end == LeastSquaresEnd::Change {
-            own.none = Some("the minimum lies where the sequence of phases changes".to_owned());
         }
         if own.none.is_some() {
             return own;

@@ -54,7 +54,8 @@ pub(crate) struct Jacobian {
     unchanged: Vec<[usize; 2]>,
 }
 
-/// Parts that a border may span without sums that are carried from one to the next.
+/// Parts that a row may span without a sum that is carried from one to the next. Sums over fewer
+/// parts have as many unknowns as they save. The solution does not depend on it.
 const SHORT_SPAN: usize = 2;
 
 impl Jacobian {
