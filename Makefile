@@ -2,7 +2,7 @@
 CARGO ?= cargo
 FIGURES := fig04 fig06 fig07 fig08 fig10 fig11 fig12 locator
 
-.PHONY: help figures report test golden readings captions fit-coverage shooting random mutants fuzz old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs paper dist release-check check clean $(FIGURES)
+.PHONY: help figures report test golden readings captions fit-coverage shooting random mutants fuzz old-processor archive second-opinion diagrams cluster-test bench bench-peers bench-pages wheel python-test docs paper dist release-check format check clean $(FIGURES)
 .DEFAULT_GOAL := help
 
 help: ## Show the targets
@@ -189,10 +189,12 @@ dist: ## What a release consists of, in dist/: crates, wheel, program; needs Pyt
 release-check: ## What is left before a release: versions, licences, public names, empty fields
 	$(PYTHON) archive/release.py check
 
-check: ## Formatting, lines, lints and documentation, every warning an error
+format: ## Formatting and lines, in seconds; the first part of `make check`
 	@! git ls-files '*.rs' '*.md' | LC_ALL=C.UTF-8 xargs grep -nE '^[^|].{100}' \
 	    || { echo "the lines above are longer than 100 columns" >&2; exit 1; }
 	$(CARGO) fmt --all --check
+
+check: format ## Formatting, lines, lints and documentation, every warning an error
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
 	$(CARGO) clippy --locked -p stickslip-replication -p stickslip-cli --no-default-features --lib --bins --tests -- -D warnings
 	$(CARGO) test --locked --quiet -p output --features png

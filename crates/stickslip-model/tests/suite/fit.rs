@@ -529,8 +529,8 @@ fn exact_data_of_a_quotient_leave_no_systematic_remainder() {
     assert_eq!(found.columns[0].runs, None);
 }
 
-/// Times and velocities of a ball dropped from 1 that keeps 0.8 of its velocity, in closed form. They
-/// are those behind or before each bounce, and at `further` times between.
+/// Times and velocities of a ball dropped from 1 that keeps 0.8 of its velocity, in closed form.
+/// They are those behind or before each bounce, and at `further` times between.
 fn bounces(g: f64, further: &[f64], is_after: impl Fn(usize) -> bool) -> (Vec<f64>, Vec<f64>) {
     let fall = (2.0 / g).sqrt();
     let (mut t, mut v) = (fall, g * fall);
