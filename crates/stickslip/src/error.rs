@@ -231,8 +231,9 @@ pub enum Error {
         /// State there.
         x: Point,
     },
-    /// The field is a root of the distance from a boundary that the rules do not cover: that of one
-    /// of several contacts, or one whose distance rounding does not leave at zero.
+    /// The field is a root of the distance from a boundary that the rules do not cover. The
+    /// boundary is that of one of several contacts, or rounding does not leave the distance at
+    /// zero.
     #[error(
         "the field is a root of the distance from a boundary reached at t = {t}, x = {x}, as \
             √|v| is: such a law is followed where its contact is the only one and its boundary is \

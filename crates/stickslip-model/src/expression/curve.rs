@@ -178,9 +178,9 @@ impl PiecewisePolynomial {
     }
 }
 
-/// Slopes at the points with which cubics rise or fall as the points do: zero at a turn, else the
-/// weighted harmonic mean of the two neighbouring rises (Fritsch & Carlson, *SIAM J. Numer. Anal.*
-/// 17, 238 (1980); Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* 5, 300 (1984)).
+/// Slopes at the points with which cubics rise or fall as the points do. A slope is zero at a turn,
+/// else the weighted harmonic mean of the two neighbouring rises (Fritsch & Carlson, *SIAM J.
+/// Numer. Anal.* 17, 238 (1980); Fritsch & Butland, *SIAM J. Sci. Stat. Comput.* 5, 300 (1984)).
 fn slopes(xs: &[f64], ys: &[f64]) -> Vec<f64> {
     let gaps: Vec<f64> = xs.windows(2).map(|x| x[1] - x[0]).collect();
     let rises: Vec<f64> = ys

@@ -3,9 +3,9 @@
 //! A build decides by values: it leaves out a factor of one, and refuses a period that is not
 //! positive. A template records these decisions. For other values it computes the held numbers
 //! anew, and gives, bit for bit, the system of a build with these values, if such a build would
-//! decide the same. Otherwise the system is built again. This happens where a constant part of a
-//! formula becomes 0, 1 or −1 or ceases to be so, an exponent becomes 0, 1/2, 1 or another integer
-//! or ceases to be so, or a check fails.
+//! decide the same. Otherwise the system is built again. A constant part of a formula decides by
+//! being 0, 1 or −1 or not, and an exponent by being 0, 1/2, 1, another integer or none. Each check
+//! decides, too.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
@@ -216,7 +216,7 @@ impl Template {
         Some(fields)
     }
 
-    /// The same system with other sections than those of the file.
+    /// Replaces the sections by others than those of the file.
     pub(super) fn with_sections(&self, file: Arc<SystemFile>, sections: Vec<SectionBuild>) -> Self {
         Template {
             file,

@@ -1,7 +1,7 @@
 //! Newton's law of restitution at stops that close or touch.
 //!
 //! The impulses `P ≥ 0` and the rates of the gaps after them, `u⁺ = u⁻ + G P`, are complementary:
-//! `w ≥ 0` with `P·w = 0`, where `w = u⁺ + e u⁻` if a gap closes, else `w = u⁺`.
+//! `w ≥ 0` with `P·w = 0`. If a gap closes, `w = u⁺ + e u⁻`; else `w = u⁺`.
 //!
 //! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302
 //! (1988); Glocker, *Set-Valued Force Laws*, 2001, Sect. 9.

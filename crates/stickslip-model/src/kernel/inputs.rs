@@ -104,7 +104,7 @@ impl Input {
         (re, eps)
     }
 
-    /// How often an input repeats within a span from a time; `None` for one that does not.
+    /// Number of repetitions of an input within a span from a time; `None` for one without any.
     pub fn turns(&self, t: f64, span: f64, x: &[f64]) -> Option<f64> {
         match self.shape {
             Shape::Repeated(_) | Shape::Pulse(_) => {

@@ -79,8 +79,8 @@ impl StepMonitor {
     }
 
     /// Takes a step into account. Returns a warning, once, if the run is stiff. A run is stiff if
-    /// stability limits its steps, and error control would allow longer ones: a polynomial of low
-    /// degree through the ends of the last steps meets the end of this one.
+    /// stability limits its steps, and error control would allow longer ones. Then a polynomial of
+    /// low degree through the ends of the last steps meets the end of this one.
     pub fn step(&mut self, step: &Step, interface: &impl Interface) -> Option<String> {
         let (t, x) = (step.t_end, step.x_end.as_slice());
         let ends = step.x_start.iter().zip(x);

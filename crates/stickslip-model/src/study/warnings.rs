@@ -9,11 +9,11 @@ use super::tangents::{BoundaryLine, RateJumps};
 use crate::file::{Interface, System};
 
 /// Warnings about a system. They concern friction that is negative at the start or in the wrong
-/// direction, and static friction below that in slip; friction is evaluated on the boundary of
-/// every contact, next to the start. They also concern jumps that cannot happen soon after the
-/// start or that a run counts as done there, runs that end at their start, and boundaries of
-/// several contacts that vanish together and are dependent there. Without a start only the last are
-/// checked.
+/// direction, and static friction below that in slip. Friction is evaluated on the boundary of
+/// every contact, next to the start. Others concern jumps that cannot happen soon after the start
+/// or that a run counts as done there, and runs that end at their start. Boundaries of several
+/// contacts that vanish together and are dependent there have one, too. Without a start only these
+/// are checked.
 pub fn warnings(
     system: &System,
     start: Option<(f64, &[f64])>,
@@ -98,7 +98,7 @@ fn warning_of_contact(
 
 /// A jump of one direction whose function is past zero at the start, such as that of a heater which
 /// is off in a room that is already too cold. Functions of time alone pass zero by themselves. A
-/// jump has had its effect where it changes nothing at the start, nor a second time elsewhere: one
+/// jump has had its effect where it changes nothing at the start, nor a second time elsewhere. One
 /// that reverses a velocity leaves a state at rest as it is by chance.
 fn warning_of_jump(system: &System, number: usize, (t, x): (f64, &[f64])) -> Option<String> {
     let (described, switching) = (&system.file.jumps[number], &system.built.switching);

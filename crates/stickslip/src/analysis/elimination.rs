@@ -54,8 +54,8 @@ pub(super) struct Elimination {
 }
 
 impl Elimination {
-    /// Of a matrix with these rows; the columns of each group are eliminated together, in this
-    /// order. There are at most as many rows as columns.
+    /// Eliminates a matrix with these rows. The columns of each group are eliminated together, in
+    /// this order. There are at most as many rows as columns.
     pub fn of(rows: &[SparseRow], groups: &[Vec<usize>]) -> Self {
         let size = groups.iter().map(Vec::len).sum();
         let mut group_of = vec![0; size];
@@ -281,7 +281,7 @@ struct Front {
 }
 
 impl Front {
-    /// This one with further rows, the columns of a group first, then the others by their rank.
+    /// Adds further rows. The columns of a group come first, then the others by their rank.
     fn with<'r>(
         self,
         new: impl Iterator<Item = (usize, &'r SparseRow)> + Clone,

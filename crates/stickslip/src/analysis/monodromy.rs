@@ -203,7 +203,7 @@ impl TangentMap {
         self.pass(tangent, at, cause)
     }
 
-    /// As [`Self::through_transition`], along an orbit that is no iterate of a search.
+    /// Applies [`Self::through_transition`] on an orbit that is no iterate of a search.
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes, too.

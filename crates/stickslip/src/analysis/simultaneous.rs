@@ -13,11 +13,11 @@ use crate::system::Mode;
 /// double. The other half is left to the errors of the vectors.
 const SAME: f64 = 1.490_116_119_384_765_6e-8;
 
-/// Checks whether events that come at the instant of a transition may come in either order: the
-/// first event there, and each other one that its own function or the kink of an input decides. The
-/// order matters to a vector that moves their times apart, unless both orders lead to the same
-/// state and to the same vector. Returns the effect of both where one transition covers them, as of
-/// a jump at which a contact comes to its boundary.
+/// Checks whether events that come at the instant of a transition may come in either order. They
+/// are the first event there, and each other one that its own function or the kink of an input
+/// decides. The order matters to a vector that moves their times apart, unless both orders lead to
+/// the same state and to the same vector. Returns the effect of both where one transition covers
+/// them, as of a jump at which a contact comes to its boundary.
 ///
 /// # Errors
 /// [`Error::SimultaneousEvents`] where the order matters to one of these vectors, which are those

@@ -251,8 +251,8 @@ where
         }
     }
 
-    /// The jump that is due where the function of this one goes on from zero: the one that follows
-    /// its accumulation, if the rate is zero within the tolerance of the state.
+    /// The jump that is due where the function of this one goes on from zero. It is the one that
+    /// follows its accumulation, if the rate is zero within the tolerance of the state.
     fn closing(&self, number: usize, integration: &Integration<'a, S, N, G>) -> usize {
         let Some(rest) = self.jumps.rests(number) else {
             return number;
@@ -392,8 +392,8 @@ where
         }
     }
 
-    /// The impact that ends a flight of which the last step shows none: a gap that was zero at its
-    /// start is negative at its end, and the return lies below rounding.
+    /// The impact that ends a flight of which the last step shows none. A gap that is zero at its
+    /// start is negative at its end then, and the return lies below rounding.
     fn missed_return(
         &self,
         start: &Timed<N>,
@@ -524,7 +524,7 @@ where
     }
 
     /// Puts the state back on the stops that carry, once errors have moved it off by as much as
-    /// those of a step may: the motion keeps what is off, and the rate of it.
+    /// those of a step may. The motion keeps what is off, and the rate of it.
     fn stay_on_stops(&self, integration: &mut Integration<'a, S, N, G>) {
         let (at, states) = (integration.at(), integration.states());
         let with = (states, integration.options());

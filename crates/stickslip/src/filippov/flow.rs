@@ -9,9 +9,9 @@ use crate::taylor::row::Lanes;
 use crate::taylor::series::{Expansion, Functions, in_rows};
 use crate::taylor::sweep::CoefficientRows;
 
-/// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`, the normal
-/// component of the field relative to a moving Σ (the first Lie derivative where `f` is a field of
-/// the system).
+/// Rate of the boundary function along the vector `f` at `(t, x)`: `∂h/∂t + ∇h·f`. It is the normal
+/// component of the field relative to a moving Σ, and the first Lie derivative where `f` is a field
+/// of the system.
 #[inline(always)]
 pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,

@@ -116,7 +116,7 @@ pub struct PileUpDetector<const N: usize, K> {
     /// Extent of the motion since the last transition: the largest distance of a component from its
     /// value there, in tolerances; 0 if it is rounding.
     extent: f64,
-    /// That extent before the last step.
+    /// Extent before the last step.
     before_step: f64,
     /// Whether a phase was resolved.
     has_moved: bool,
@@ -341,7 +341,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
 
     /// Whether so many transitions have happened within no time, and at their ratio all others
     /// will, or as fast as rounding allows. A fast clock is no pile-up, nor is one that runs faster
-    /// for a while: the motion shrinks at least as the root of the time, or it does not accumulate.
+    /// for a while. The motion shrinks at least as the root of the time, or it does not accumulate.
     fn bursts(&self, options: &Options) -> bool {
         let [later, earlier] = self.halves();
         let t = self.nth_last(0).at.t;

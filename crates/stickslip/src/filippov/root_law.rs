@@ -39,7 +39,7 @@ const STEPS_LEFT: f64 = 16.0;
 /// Halvings that find a root to rounding, from any start.
 const HALVINGS: usize = 120;
 
-/// How the field depends on the distance from a guard's zero.
+/// The field as a function of the distance from a guard's zero.
 struct RootLaw<const N: usize> {
     power: f64,
     /// The motion that moves the guard by one.

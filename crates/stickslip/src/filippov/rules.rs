@@ -591,7 +591,7 @@ mod tests {
     struct Tangent {
         along: [f64; 2],
         bend: [f64; 2],
-        /// What holds by static friction pushes back by so much.
+        /// Strength by which static friction pushes back what holds.
         holding: f64,
     }
 

@@ -246,7 +246,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
 
     /// Refuses a state from which a component comes within the tolerance to where the field is not
     /// Lipschitz, after a step was rejected there. Near such a place the component's rate is a
-    /// power of the distance, below 1; its value and two slopes give power, distance and time left,
+    /// power of the distance, below 1. Its value and two slopes give power, distance and time left,
     /// the same ones nearer to it.
     #[cold]
     pub(crate) fn check_lipschitz<F: Flow<N>>(&self, flow: &F) -> Result<(), Error> {

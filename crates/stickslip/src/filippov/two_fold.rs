@@ -27,10 +27,11 @@ const TWO_FOLD_TIME: f64 = 5e-7;
 /// ratio grows without bound.
 const FIELD_DIFFERENCE: f64 = 10.0;
 
-/// The two-fold of a contact at the present state, if there is one: with the other contacts in
-/// their modes, the orbits of both its fields are tangent to its boundary within
-/// [`TWO_FOLD_TIME`], or to the tolerances of a touch ([`crate::Options::touch`]). It is reached by
-/// sliding if the orbit has slid for longer than that time, else by crossings.
+/// The two-fold of a contact at the present state, if there is one. There the orbits of both its
+/// fields are tangent to its boundary, with the other contacts in their modes. Tangent is what is
+/// so within [`TWO_FOLD_TIME`], or to the tolerances of a touch ([`crate::Options::touch`]). A
+/// two-fold is reached by sliding if the orbit has slid for longer than that time, else by
+/// crossings.
 pub(super) fn two_fold<S: Switched<N, G>, const N: usize, const G: usize>(
     system: &S,
     run: &StepState<N, G>,

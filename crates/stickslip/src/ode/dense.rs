@@ -211,7 +211,7 @@ const TERMS_ROUNDING: f64 = 256.0 * f64::EPSILON;
 /// factor of the first is `2s − 1`.
 pub(crate) struct SolutionTerms<const N: usize> {
     mean: State<N>,
-    /// What each term adds at most, with its sign.
+    /// Most that each term adds, with its sign.
     bounds: [State<N>; MAX_COEFFICIENTS],
     count: usize,
     /// Sum of the sizes of the coefficients.

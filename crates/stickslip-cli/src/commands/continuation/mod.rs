@@ -67,7 +67,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     branches: bool,
 
-    /// How often --branches goes on: at 2 the flips of these branches are followed, too, and so on
+    /// Generations of --branches: at 2 the flips of these branches are followed, too, and so on
     #[arg(long, value_name = "NUMBER", value_parser = count, default_value = "1")]
     #[arg(requires = "branches")]
     depth: NonZeroUsize,

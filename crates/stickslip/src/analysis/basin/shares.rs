@@ -41,8 +41,8 @@ impl SharesAt {
 /// orbit from it in the earlier system leads back. Where only one of the two holds, as near a fold,
 /// both must have the same motion: kind, phases, mode of an equilibrium. The rule has no distance
 /// to choose. It holds wherever the step of the parameter moves attractors by less than the size of
-/// their basins. (Attractors.jl matches by one of these two orbits, or by distances in the state
-/// space.) An attractor that no start reaches stays while the orbit from its last value reaches it.
+/// their basins. Attractors.jl matches by one of these two orbits, or by distances in the state
+/// space. An attractor that no start reaches stays while the orbit from its last value reaches it.
 ///
 /// Outcomes that are no attractors, such as escape, have a band each, which they keep.
 ///

@@ -34,9 +34,9 @@ pub struct UncertaintyExponent {
 ///
 /// Two starts at a distance `ε` along an axis are uncertain if they lead to different attractors.
 /// Their fraction among all pairs is `f ~ ε^α`, and the boundary has the dimension `D − α` in a
-/// space of dimension `D` (Grebogi, McDonald, Ott & Yorke, *Physics Letters A* 99 (1983) 415;
-/// McDonald, Grebogi, Ott & Yorke, *Physica D* 17 (1985) 125). A smooth boundary has `α = 1`. The
-/// smaller `α`, the less a smaller error of the start helps to predict its attractor.
+/// space of dimension `D`. A smooth boundary has `α = 1`. The smaller `α`, the less a smaller error
+/// of the start helps to predict its attractor. Sources: Grebogi, McDonald, Ott & Yorke, *Physics
+/// Letters A* 99 (1983) 415; McDonald, Grebogi, Ott & Yorke, *Physica D* 17 (1985) 125.
 ///
 /// Distances are 1, 2, 4, … steps of the grid, up to a sixteenth of the shortest axis. The exponent
 /// is the slope of `ln f` over `ln ε` by least squares. Its standard error is the larger of that

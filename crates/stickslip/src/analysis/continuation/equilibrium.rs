@@ -100,8 +100,8 @@ pub struct EquilibriumBranch {
     pub points: Vec<EquilibriumPoint>,
     /// The special ones between them, in the same order.
     pub special: Vec<SpecialEquilibrium>,
-    /// Reason for the end of the branch: an end of the range, the requested number of points, a
-    /// boundary with no equilibrium behind it, or an equilibrium that could not be computed.
+    /// Reason for the end of the branch. It is an end of the range, the requested number of points,
+    /// a boundary with no equilibrium behind it, or an equilibrium that could not be computed.
     pub stop: Stop,
 }
 

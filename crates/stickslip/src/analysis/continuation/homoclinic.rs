@@ -31,9 +31,9 @@ struct PassedEquilibrium {
 }
 
 impl Continuation<'_> {
-    /// The end at which the period is infinite, if the branch approaches one: the last orbit takes
-    /// longer than the one before it, and is close to saddles, or to an equilibrium next to an
-    /// event.
+    /// The end at which the period is infinite, if the branch approaches one. The last orbit then
+    /// takes longer than the one before it, and is close to saddles, or to an equilibrium next to
+    /// an event.
     pub(super) fn homoclinic_end(&self) -> Option<Stop> {
         if self.settings.forced.is_some() || self.branch.last.period <= self.branch.before.period {
             return None;

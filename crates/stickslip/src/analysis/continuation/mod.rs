@@ -238,7 +238,7 @@ pub enum Stop {
     /// The phases change behind the last orbit, and no orbit with other phases could be computed
     /// next to it.
     SequenceEnds,
-    /// Behind the last orbit the solver cannot follow the friction law, as where static friction is
+    /// The solver cannot follow the friction law behind the last orbit, as where static friction is
     /// below kinetic friction. It is not written to files.
     #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),

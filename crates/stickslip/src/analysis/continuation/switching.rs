@@ -164,8 +164,8 @@ fn switched(
     })
 }
 
-/// The direction in which another branch leaves an orbit at which the equations have two tangents:
-/// across a tangent or, where that is not given, the one along which the parameter does not change.
+/// The direction in which another branch leaves an orbit at which the equations have two tangents.
+/// It is across a tangent or, without one, that along which the parameter does not change.
 fn across(cycle: &Cycle, tangent: Option<&TangentLine>) -> Option<Vector> {
     let mut directions = cycle.jacobian.least_determined()?.into_iter();
     let [one, two] = [directions.next()?, directions.next()?].map(|(_, direction)| direction);

@@ -1,4 +1,4 @@
-//! The derivative of an orbit's equations by the unknowns, as a chain: the equations of a piece
+//! The derivative of an orbit's equations by the unknowns, as a chain. The equations of a piece
 //! depend on the states at its ends, on its duration, and on the time at which it begins.
 
 use super::{Outline, unit};
@@ -9,14 +9,14 @@ use crate::dynamics::Vector;
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Row {
-    /// By the unknowns, other than through the time at which a piece begins.
+    /// Derivatives by the unknowns, other than through the time at which a piece begins.
     pub entries: SparseRow,
     /// The piece, and the derivative by the time at which it begins.
     pub in_time: Option<(usize, f64)>,
 }
 
 impl Row {
-    /// Of an equation that does not depend on times at which pieces begin.
+    /// A row of an equation that does not depend on times at which pieces begin.
     pub fn of(entries: impl IntoIterator<Item = (usize, f64)>) -> Self {
         let entries = entries.into_iter();
         Row {
@@ -50,7 +50,7 @@ pub(crate) struct Jacobian {
     /// The parts in their order.
     parts: Vec<Part>,
     rows: Vec<Row>,
-    /// Of each of the first equations, the two unknowns that it sets equal if no state changes.
+    /// Pairs of unknowns that the first equations set equal if no state changes, one an equation.
     unchanged: Vec<[usize; 2]>,
 }
 
@@ -86,7 +86,7 @@ impl Jacobian {
         parts.rposition(|part| part.segment == segment).unwrap_or(0)
     }
 
-    /// With one equation more, which has given derivatives by the unknowns; those by states at cuts
+    /// Appends one equation, which has given derivatives by the unknowns; those by states at cuts
     /// may be left out, and are zero.
     pub fn with_row(&self, row: &Vector) -> Self {
         let mut other = self.clone();
@@ -115,7 +115,7 @@ impl Jacobian {
         self.parts.iter().map(next).collect()
     }
 
-    /// Its product with a vector.
+    /// Product of the matrix with a vector.
     pub fn times_vector(&self, x: &Vector) -> Vector {
         self.product(x, |value| value)
     }
@@ -153,8 +153,8 @@ impl Jacobian {
             .sum()
     }
 
-    /// The entries of a row that depends on the time at which a part begins, by the state and by
-    /// the duration of its segment: the latter through that time, too.
+    /// The entries of a row that depends on the time at which a part begins. They are by the state
+    /// and by the duration of its segment, the latter through that time, too.
     fn with_own_duration(&self, row: &Row, (part, in_time): (usize, f64)) -> SparseRow {
         let duration = self.components + self.parts[part].segment;
         let through_time = (duration, in_time * self.share_before(part));

@@ -63,8 +63,8 @@ impl Margin {
 }
 
 /// First and second time derivative of a contact's distance from the boundary where a slip on
-/// `side` reaches it: along the field of this side, then along that of the other. On each side the
-/// distance is positive.
+/// `side` reaches it. The first is along the field of this side, the second along that of the
+/// other. On each side the distance is positive.
 pub(super) fn rates(
     system: &dyn Dynamics,
     (mode, contact, side): (Modes, usize, Side),

@@ -139,8 +139,8 @@ impl Cycle {
         outline
     }
 
-    /// The difference between the two halves of the orbit, where they have the same phases: of the
-    /// states at which these begin and, in units of the states, of the times.
+    /// The difference between the two halves of the orbit, where they have the same phases. It is
+    /// that of the states at which these begin and, in units of the states, of the times.
     pub fn halves(&self) -> Option<Vector> {
         let outline = &self.outline;
         if let ([_], Some(cut)) = (outline.segments.as_slice(), &outline.cut) {

@@ -100,7 +100,7 @@ pub(crate) trait Path {
     }
 }
 
-/// Ratio of an error of integration to the change that half the steps cause: of order 4 and more,
+/// Ratio of an error of integration to the change that half the steps cause. At order 4 and more,
 /// that change is the error to a tenth or so, and twice the change bounds it.
 pub(crate) const SAFETY: f64 = 2.0;
 

@@ -3,7 +3,7 @@
 /// A determinant, as a number times a power of 2: of many rows, it may exceed the range of numbers.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::analysis) struct Determinant {
-    /// Between 1 and 2 in absolute value, or 0.
+    /// Absolute value between 1 and 2, or 0.
     mantissa: f64,
     /// The power of 2.
     pub exponent: i32,

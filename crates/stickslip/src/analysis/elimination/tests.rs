@@ -5,7 +5,7 @@ use numerics::SplitMix;
 
 use super::*;
 
-/// Between -1 and 1.
+/// A number between -1 and 1.
 fn drawn(random: &mut SplitMix) -> f64 {
     2.0 * random.uniform() - 1.0
 }
@@ -192,9 +192,9 @@ fn closed(links: &[Matrix], multiple: f64) -> (Vec<SparseRow>, Vec<Vec<usize>>) 
     )
 }
 
-/// In an orbit of 64 loops with multipliers from 1e-30 to 1e8, the solution has the residual and
-/// the error of that of the dense matrix. The chain closes with a multiple of its start where that
-/// is a multiplier, to nine digits: the product of the links has an error of 1e-8 instead.
+/// The solution has the residual and the error of that of the dense matrix, for an orbit of 64
+/// loops with multipliers from 1e-30 to 1e8. The chain closes with a multiple of its start where
+/// that is a multiplier, to nine digits: the product of the links has an error of 1e-8 instead.
 #[test]
 fn multipliers_far_apart_leave_the_residual_of_the_dense_matrix() {
     let random = &mut SplitMix::new(68);

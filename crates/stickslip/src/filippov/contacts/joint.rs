@@ -20,9 +20,9 @@ pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w) s` with `w`
-/// the weight of the field above and `s` the strength of friction: the difference of the contact's
-/// rates below and above if it alone holds, else 1. A weight at its limit ends stick, and so does a
-/// strength that vanishes, as at a two-fold.
+/// the weight of the field above and `s` the strength of friction. The strength is the difference
+/// of the contact's rates below and above if it alone holds, else 1. A weight at its limit ends
+/// stick, and so does a strength that vanishes, as at a two-fold.
 #[derive(Clone, Copy)]
 pub(super) struct ContactFlow<'a, S, const M: usize> {
     pub(super) system: &'a S,

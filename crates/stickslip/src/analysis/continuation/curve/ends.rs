@@ -1,4 +1,4 @@
-//! Where a curve ends: at an end of a range, where it began, or where both halves of its orbits
+//! Ends of a curve: at an end of a range, at its beginning, or where both halves of its orbits
 //! become one orbit.
 
 use super::super::ends::{SAME_ORBIT, offset_from};

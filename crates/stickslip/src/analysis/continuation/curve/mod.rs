@@ -171,7 +171,7 @@ fn parameters(cycle: &Cycle) -> [f64; 2] {
     [x[x.len() - 2], x[x.len() - 1]]
 }
 
-/// What the orbits of a curve have in common.
+/// Properties that the orbits of a curve share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum CurveKind {
     Fold,

@@ -145,7 +145,7 @@ impl CurveContinuation<'_> {
         }
     }
 
-    /// The same curve with steps of half the length.
+    /// A copy with steps of half the length.
     pub(super) fn finer(&self) -> Self {
         CurveContinuation {
             shooting: self.shooting.finer(),

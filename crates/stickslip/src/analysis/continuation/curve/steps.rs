@@ -58,7 +58,7 @@ pub(super) struct CurveEnd {
     pub stop: CurveStop,
     /// The last orbit.
     pub last: CurvePoint,
-    /// The same as a special orbit, if it is one.
+    /// Special orbit that the last point is, if any.
     pub special: Option<CurveSpecialPoint>,
 }
 
