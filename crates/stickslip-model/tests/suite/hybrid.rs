@@ -269,26 +269,7 @@ fn a_force_that_switches_lets_a_block_go_at_that_time() {
 }
 
 /// An undamped oscillator of frequency 1, driven by cos(w t), that hits a wall at 0.
-const IMPACTS: &str = "name = \"impacts\"\n\
-                       [states]\n\
-                       x = \"\"\n\
-                       v = \"\"\n\
-                       [parameters]\n\
-                       w = 2.5\n\
-                       r = 0.8\n\
-                       [field]\n\
-                       x = \"v\"\n\
-                       v = \"-x + cos(w*t)\"\n\
-                       [jumps.wall]\n\
-                       when = \"x\"\n\
-                       direction = \"rising\"\n\
-                       set = { x = \"0\", v = \"-r*v\" }\n\
-                       [start]\n\
-                       x = -0.3\n\
-                       v = 0\n\
-                       [time]\n\
-                       period = \"2*pi/w\"\n\
-                       end = 100\n";
+const IMPACTS: &str = include_str!("../data/impacts.toml");
 
 /// Trace of the monodromy matrix of the orbit with one impact per period. Its determinant is r²
 /// (Shaw & Holmes 1983).
@@ -359,12 +340,7 @@ fn the_flip_of_an_impacting_orbit_is_located() {
 
 /// A buck converter in voltage mode. Its switch closes where a ramp passes the amplified error, and
 /// opens with the next ramp.
-pub const BUCK: &str = "name = \"buck\"\n[states]\nv = \"V\"\ni = \"A\"\n[discrete]\non = 0\n\
-    [parameters]\nE = 18\n[inputs.ramp]\nshape = \"sawtooth\"\nperiod = \"400e-6\"\n[definitions]\n\
-    above = \"8.4*(v - 11.3) - (3.8 + 4.4*ramp)\"\n[field]\nv = \"(i - v/22)/47e-6\"\n\
-    i = \"(E*on - v)/0.02\"\n[jumps.open]\nwhen = \"above\"\ndirection = \"rising\"\n\
-    set = { on = \"0\" }\n[jumps.close]\nwhen = \"above\"\ndirection = \"falling\"\n\
-    set = { on = \"1\" }\n[start]\nv = 12\ni = 0.55\n[time]\nperiod = \"400e-6\"\nend = 0.02\n";
+pub const BUCK: &str = include_str!("../data/buck.toml");
 
 /// Phase at which the switch closes on the orbit of period one, and the trace of its monodromy
 /// matrix. The determinant is exp(−T/(R C)).
@@ -858,39 +834,7 @@ fn switches_that_touch_zero_or_stay_there_end() {
 }
 
 /// A block, driven by a square wave and a switch by time, that hits a wall.
-const MIXED: &str = "name = \"mixed\"\n\
-    [states]\n\
-    x = \"\"\n\
-    v = \"\"\n\
-    [discrete]\n\
-    side = 0\n\
-    [parameters]\n\
-    w = 1.2\n\
-    r = 0.6\n\
-    [inputs.gust]\n\
-    shape = \"square\"\n\
-    period = \"2*pi/w\"\n\
-    [switches.drive]\n\
-    function = \"sin(3*w*t)\"\n\
-    [contacts.floor]\n\
-    boundary = \"v - 0.1\"\n\
-    friction = \"0.3\"\n\
-    [field]\n\
-    x = \"v\"\n\
-    v = \"-x - 0.2*v + gust + 0.1*drive - friction(floor)\"\n\
-    [jumps.wall_right]\n\
-    when = \"x - 0.5\"\n\
-    direction = \"rising\"\n\
-    set = { v = \"-r*v\", side = \"1 - side\" }\n\
-    [start]\n\
-    x = 0.1\n\
-    v = 0\n\
-    [ranges]\n\
-    x = [-1, 0.4]\n\
-    v = [-1, 1]\n\
-    [time]\n\
-    period = \"2*pi/w\"\n\
-    end = 20\n";
+const MIXED: &str = include_str!("../data/mixed.toml");
 
 #[test]
 fn kinks_of_inputs_are_in_the_table_of_transitions() {
