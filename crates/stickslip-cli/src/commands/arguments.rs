@@ -41,6 +41,17 @@ impl SystemArguments {
         let settings = self.set.iter().map(|setting| assignment("--set", setting));
         Ok(file.with(&settings.collect::<Result<Vec<_>, _>>()?)?)
     }
+
+    /// Whether this parameter is set.
+    pub(super) fn sets(&self, parameter: &str) -> bool {
+        is_given(&self.set, parameter)
+    }
+}
+
+/// Whether one of the texts `name=value` has this name.
+fn is_given(texts: &[String], wanted: &str) -> bool {
+    let mut given = texts.iter().filter_map(|text| text.split_once('='));
+    given.any(|(name, _)| normal(name.trim()) == wanted)
 }
 
 /// Splits `name=value` into a name and a number.
@@ -111,8 +122,7 @@ impl StartArguments {
 
     /// Whether the start value of this state is given.
     pub(super) fn sets(&self, state: &str) -> bool {
-        let mut given = self.start.iter().filter_map(|text| text.split_once('='));
-        given.any(|(name, _)| normal(name.trim()) == state)
+        is_given(&self.start, state)
     }
 
     /// Start values that are given.

@@ -93,6 +93,16 @@ pub(super) fn end_time(system: &System, given: Option<f64>) -> Result<f64, Failu
 
 /// Names and formulas of what is observed.
 fn observed(arguments: &Arguments) -> Result<Vec<(&str, &str)>, Failure> {
+    let has_pictures = !arguments.no_figures && arguments.starts.is_none();
+    if let Some(text) = arguments.observe.first()
+        && arguments.no_steps
+        && !has_pictures
+    {
+        return Err(Failure::Usage(format!(
+            "--observe {text} has no effect: neither steps nor pictures are written; leave \
+             --no-steps out"
+        )));
+    }
     let observed = arguments.observe.iter();
     let observed = observed.map(|text| match text.split_once('=') {
         Some((name, formula)) => Ok((name.trim(), formula.trim())),

@@ -123,12 +123,19 @@ pub(super) fn run(
     let t_end = end_time(&system, t_end)?;
     let starts = Starts::open(file, &system)?;
     for column in &starts.columns {
-        if let Column::State(state) = column
-            && let name = &system.file.states[*state].name
-            && run.start.sets(name)
-        {
+        let (option, name, is_set) = match column {
+            Column::State(state) => {
+                let name = &system.file.states[*state].name;
+                ("--start", name, run.start.sets(name))
+            }
+            Column::Parameter(number) => {
+                let name = &system.file.parameters[*number].name;
+                ("--set", name, run.system.sets(name))
+            }
+        };
+        if is_set {
             return Err(Failure::Usage(format!(
-                "--start {name}=… has no effect: {name} is a column of {file}; leave one of them \
+                "{option} {name}=… has no effect: {name} is a column of {file}; leave one of them \
                  out"
             )));
         }

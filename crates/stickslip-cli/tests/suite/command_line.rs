@@ -146,7 +146,7 @@ fn parameters_and_starts_can_be_set() {
 #[test]
 fn wrong_arguments_are_reported_with_a_remedy() {
     let top = folder();
-    let bad: [(&[&str], &str); 35] = [
+    let bad: [(&[&str], &str); 36] = [
         (
             &["simulate", "belt", "--set", "muo=1"],
             "there is no parameter `muo`; did you mean `mu0`?",
@@ -279,6 +279,17 @@ fn wrong_arguments_are_reported_with_a_remedy() {
         (
             &["orbit", "den-hartog", "--longest", "5"],
             "--longest 5 has no effect: the system depends on time",
+        ),
+        (
+            &[
+                "simulate",
+                "leine",
+                "--no-steps",
+                "--no-figures",
+                "--observe",
+                "q=x",
+            ],
+            "--observe q=x has no effect: neither steps nor pictures are written",
         ),
         (
             &["basin", "basins", "--seed", "4"],

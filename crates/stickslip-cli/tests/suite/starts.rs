@@ -122,6 +122,16 @@ fn tables_that_are_no_starts_are_refused() {
             "--start x=… has no effect",
         ),
         (
+            "x,vp\n1,2\n",
+            Some(["--set", "vp=1"]),
+            "--set vp=… has no effect: vp is a column of starts.csv",
+        ),
+        (
+            "x\n1\n",
+            Some(["--no-steps", "--observe=q=x"]),
+            "--observe q=x has no effect",
+        ),
+        (
             "x\n1\n",
             Some(["--derivatives", "vp"]),
             "cannot be used with",

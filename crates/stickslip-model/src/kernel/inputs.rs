@@ -589,6 +589,14 @@ impl<const N: usize> Jumps<N> for Switching {
         values.find(|value| value.abs().min((value - 1.0).abs()) > within)
     }
 
+    fn open(&self, x: &mut [f64]) {
+        for &closed in self.impacts.iter().flat_map(|impacts| &impacts.closed) {
+            if let Some(closed) = x.get_mut(closed) {
+                *closed = 0.0;
+            }
+        }
+    }
+
     fn is_reaction(&self, jump: usize) -> bool {
         matches!(self.jumps[jump].of_stop, Some((_, StopEvent::LiftOff)))
     }

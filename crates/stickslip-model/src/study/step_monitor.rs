@@ -36,6 +36,8 @@ pub struct StepMonitor {
     /// Minimum and maximum of each state over the steps. A start in stick lies beside its boundary
     /// by rounding, and the first step begins on it.
     extents: Vec<(f64, f64)>,
+    /// Whether each state takes discrete values, which no tolerance concerns.
+    discrete: Vec<bool>,
     /// Whether jumps end steps: a state may then be near zero at the ends of steps alone.
     has_jumps: bool,
 }
@@ -51,6 +53,12 @@ impl StepMonitor {
             smooth: (0, t),
             is_told: false,
             extents: vec![(f64::INFINITY, f64::NEG_INFINITY); x.len()],
+            discrete: system
+                .file
+                .states
+                .iter()
+                .map(|state| state.is_discrete)
+                .collect(),
         }
     }
 
@@ -70,7 +78,10 @@ impl StepMonitor {
     /// Whether a state moves far below its tolerance.
     fn is_below(&self, state: usize) -> bool {
         let (low, high) = self.extents[state];
-        low < high && low.abs().max(high.abs()) <= FAR_BELOW * self.options.atol.of(state)
+        let is_discrete = self.discrete.get(state) == Some(&true);
+        !is_discrete
+            && low < high
+            && low.abs().max(high.abs()) <= FAR_BELOW * self.options.atol.of(state)
     }
 
     /// Begins anew where something other than the step's own length ended it: an event or a kink.

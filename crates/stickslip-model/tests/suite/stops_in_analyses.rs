@@ -3,13 +3,15 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, RecurrenceSettings, SpectrumOptions, attractor,
-    attractor_of_many, lyapunov_spectrum, multipliers,
+    AttractorKind, ContinuationSettings, EdgeKind, EdgeSettings, Push, PushSettings,
+    RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many, edge_state, least_pushes,
+    lyapunov_spectrum, multipliers,
 };
 use stickslip::dynamics::{Modes, Step, Vector};
 use stickslip::{Error, Options, math};
 use stickslip_model::study::{Along, StepMonitor, Variables, WholeBranch};
 
+use super::derivatives::found;
 use super::run::{METHODS, Run, branch, options, orbit, system, with};
 
 /// A ball on a table that shakes with the amplitude A; its impacts accumulate once a period.
@@ -610,4 +612,206 @@ fn a_ball_whose_steps_end_at_impacts_is_not_below_its_tolerance() {
     assert_eq!(monitor.below_tolerance(&table, &Names).len(), 1);
     monitor.reaches(end(0.1).as_slice());
     assert!(monitor.below_tolerance(&table, &Names).is_empty());
+}
+
+/// A block that slides on a table after the impacts of its fall have accumulated.
+const FALLS: &str = r#"name = "Falling block"
+[states]
+x = ""
+u = ""
+h = ""
+w = ""
+[parameters]
+r = 0.5
+[field]
+x = "u"
+u = "-friction(sole)"
+h = "w"
+w = -10
+[contacts.sole]
+boundary = "u"
+friction = "0.1*floor.force"
+[stops.floor]
+gap = "h"
+acts = { w = 1 }
+restitution = "r"
+[start]
+x = 0
+u = 5
+h = 5
+w = 0
+[time]
+end = 4
+"#;
+
+#[test]
+fn derivatives_know_when_impacts_accumulate() {
+    // The impacts accumulate at T = (1 + 2 r/(1 - r)) sqrt(2 h/g), and the block then slows down by
+    // 1: dT/dh = 0.3, and dT/dr = 8.
+    let system = system(FALLS);
+    for method in METHODS {
+        let names = ["r", "h", "u", "w"];
+        let found = found(&system, &names, &[4.0], method);
+        assert!(found.lost.is_none(), "{:?}", found.lost);
+        let landing = found.transitions.last().unwrap();
+        for (column, [time, x, u]) in [[8.0, 8.0, 8.0], [0.3, 0.3, 0.3], [0.0, 4.0, 1.0]]
+            .into_iter()
+            .enumerate()
+        {
+            let own = &found.states[0];
+            for (found, wanted) in [
+                (landing.t[column], time),
+                (own[(0, column)], x),
+                (own[(1, column)], u),
+                (own[(2, column)], 0.0),
+                (own[(3, column)], 0.0),
+            ] {
+                let off = (found - wanted).abs();
+                assert!(
+                    off < 1e-6,
+                    "{method}, {}: {found} for {wanted}",
+                    names[column]
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_restitution_of_zero_leaves_no_speed_by_its_derivative() {
+    let plastic = with(FALLS, &[("r", 0.0)]);
+    for method in METHODS {
+        let found = found(&plastic, &["r", "h"], &[4.0], method);
+        let own = &found.states[0];
+        assert_eq!(
+            [own[(2, 0)], own[(3, 0)], own[(2, 1)], own[(3, 1)]],
+            [0.0; 4]
+        );
+        // The block lands with the first impact: dT/dh = 1/10. With a small r it is in flight for
+        // 2 r longer.
+        assert!(
+            (own[(1, 0)] - 2.0).abs() < 1e-9,
+            "{method}: {}",
+            own[(1, 0)]
+        );
+        assert!(
+            (own[(1, 1)] - 0.1).abs() < 1e-9,
+            "{method}: {}",
+            own[(1, 1)]
+        );
+    }
+}
+
+#[test]
+fn what_no_stop_acts_on_moves_through_landings_as_if_there_were_none() {
+    let text = r#"name = "Beside a ball"
+[states]
+x = ""
+v = ""
+c = ""
+y = ""
+u = ""
+[field]
+x = "v"
+v = "-100*x"
+c = 1000
+y = "u"
+u = -1
+[stops.table]
+gap = "y - 1.2*sin(t)"
+acts = { u = 1 }
+restitution = 0.4
+[start]
+x = 1
+v = 0
+c = 0
+y = 0.5
+u = 0
+[time]
+end = 60
+"#;
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        let landings = run.transitions.iter();
+        let landings = landings.filter(|(_, _, what)| what == "table.landing");
+        assert!(landings.count() > 5, "{method}");
+        assert!(
+            (run.end("c") - 6e4).abs() < 1e-8,
+            "{method}: {}",
+            run.end("c")
+        );
+        let exact = math::cos(600.0);
+        assert!(
+            (run.end("x") - exact).abs() < 1e-8,
+            "{method}: {}",
+            run.end("x") - exact
+        );
+    }
+}
+
+#[test]
+fn a_body_lifts_off_however_light_it_is() {
+    let text = |m: &str| {
+        TABLE
+            .replace("v = 1 }", &format!("v = \"1/{m}\" }}"))
+            .replace("end = 20", "end = 8.5")
+    };
+    let thrown = |m: &str| Run::of(system(&text(m)), &options("taylor"), None);
+    let heavy = thrown("1");
+    assert!(
+        heavy
+            .transitions
+            .iter()
+            .any(|(_, _, what)| what == "table.lift-off")
+    );
+    for m in ["1e-20", "1e-13", "1e20"] {
+        let other = thrown(m);
+        assert_eq!(other.transitions.len(), heavy.transitions.len(), "{m}");
+        assert!((other.end("h") - heavy.end("h")).abs() < 1e-9, "{m}");
+    }
+}
+
+/// Two wells; a wall in front of one of them holds a body.
+const WELLS: &str = r#"name = "Wells"
+[states]
+x = ""
+v = ""
+[field]
+x = "v"
+v = "x - x^3 - 0.2*v"
+[stops.wall]
+gap = "0.5 - x"
+acts = { v = -1 }
+restitution = 0.6
+[start]
+x = 0
+v = 0.3
+"#;
+
+#[test]
+fn a_body_at_rest_on_a_stop_is_pushed_off_it() {
+    let system = system(WELLS);
+    let (within, options) = (RecurrenceSettings::within(1000.0), options("taylor"));
+    let how = PushSettings::up_to(2.0);
+    // The wall gives back 0.6 of a push against it.
+    let directions = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+    let rest = [0.5, 0.0, 1.0];
+    let found = least_pushes(system.dynamics(), rest, directions, &how, &within, &options);
+    let [against, off] = found.unwrap().try_into().unwrap();
+    let [against, off] = [against, off].map(|push: Option<Push>| push.unwrap().size);
+    assert!((off / against - 0.6).abs() < 1e-7, "{off} and {against}");
+
+    // The edge between both basins is the saddle.
+    let how = EdgeSettings::within(200.0);
+    let edge = edge_state(
+        system.dynamics(),
+        [-1.0, 0.0, 0.0],
+        rest,
+        &how,
+        &within,
+        &options,
+    );
+    let edge = edge.unwrap();
+    assert_eq!(edge.kind, EdgeKind::Equilibrium);
+    assert!(edge.x.as_slice()[0].abs() < 1e-9, "{:?}", edge.x);
 }

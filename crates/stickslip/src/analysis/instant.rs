@@ -8,6 +8,7 @@ use crate::filippov::{Direction, RELATIVE_ROUNDING, TransitionKind};
 pub(crate) struct LastEvent {
     t: f64,
     kink: Option<usize>,
+    jump: Option<usize>,
 }
 
 /// Function, or kink of an input, that decides the time of an event.
@@ -18,6 +19,8 @@ pub(crate) struct Cause {
     pub kink: Option<usize>,
     /// Whether no other event comes before it in the same instant.
     pub is_first: bool,
+    /// The jump that is the last event before it, counted after the contacts.
+    pub follows: Option<usize>,
 }
 
 impl LastEvent {
@@ -26,6 +29,7 @@ impl LastEvent {
         LastEvent {
             t: f64::NEG_INFINITY,
             kink: None,
+            jump: None,
         }
     }
 
@@ -35,9 +39,11 @@ impl LastEvent {
         let earlier = self.kink.filter(|_| !is_first);
         self.t = at.t;
         self.kink = deciding_kink(system, at, earlier);
+        let jump = (at.kind == TransitionKind::Jump).then_some(at.contact);
         Cause {
             kink: self.kink,
             is_first,
+            follows: std::mem::replace(&mut self.jump, jump),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::system::Mode;
 
 /// Relative difference of two numbers that are equal but for rounding: half of the digits of a
 /// double. The other half is left to the errors of the vectors.
-const SAME: f64 = 1.490_116_119_384_765_6e-8;
+pub(super) const SAME: f64 = 1.490_116_119_384_765_6e-8;
 
 /// Checks whether events that come at the instant of a transition may come in either order. They
 /// are the first event there, and each other one that its own function or the kink of an input

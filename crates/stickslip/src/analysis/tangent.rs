@@ -1,7 +1,7 @@
 //! Tangent vectors along a run: steps carry them on dual numbers, transitions by saltation.
 
 use super::instant::Cause;
-use super::simultaneous::check_order;
+use super::simultaneous::{SAME, check_order};
 use crate::dynamics::{
     Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
 };
@@ -84,15 +84,17 @@ impl<'a> Tangent<'a> {
     }
 
     /// The effect of a jump's map `R` of the state with the derivative `D` (Müller 1995, Eq. 11):
-    /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`.
+    /// `S = D + (f⁺ − D f⁻ − ∂R/∂t) ∇hᵀ / (∂h/∂t + ∇h·f⁻)`. Where impacts have accumulated, `h` is
+    /// the rate of the gap. A change of the time of accumulation appears in it, since all speeds of
+    /// the last impacts vanish with their durations.
     ///
     /// # Errors
     /// [`Error::TangentSingular`] where the orbit grazes the surface of the jump, and
     /// [`Error::ChainedJumps`] and [`Error::TiedChoice`].
-    fn reset(&self, at: &Transition, kink: Option<usize>) -> Result<Saltation, Error> {
+    fn reset(&self, at: &Transition, cause: Cause) -> Result<Saltation, Error> {
         let here = at.moment();
         let mut reset = self.system.reset(at.contact, &here);
-        if let Some(input) = kink {
+        if let Some(input) = cause.kink {
             (_, reset.gradient, reset.in_time) = self.system.clock(input, &here);
         }
         if reset.is_tied {
@@ -112,19 +114,20 @@ impl<'a> Tangent<'a> {
         let size = reset.gradient.abs().dot(&at.x.abs()) + in_time + rate.abs();
         // Where impacts accumulate, all parts are small; the state is known to the tolerance.
         let located = EVENT_PRECISION * reset.gradient.abs().sum();
-        let is_triggered = kink.is_none()
-            && !reset.lands
-            && reset.value.abs() > self.carrying.tolerance * (size + located);
-        if is_triggered && kick.amax() > f64::EPSILON * before.amax() {
+        let is_triggered = match reset.lands {
+            true => self.is_landing_triggered(at, cause),
+            false => reset.value.abs() > self.carrying.tolerance * (size + located),
+        };
+        let is_triggered = cause.kink.is_none() && is_triggered;
+        // What is left of a gap's rate at its landing is no motion.
+        let rounding = if reset.lands { SAME } else { f64::EPSILON };
+        if is_triggered && kick.amax() > rounding * before.amax() {
             let (t, x, jump) = (at.t, Point::from(&at.x), at.contact);
             return Err(Error::ChainedJumps { t, x, jump });
         }
-        // Where impacts have accumulated, the motion on either side is the same.
-        let kick = match is_triggered || reset.lands {
-            true => kick * 0.0,
-            false => kick,
-        };
+        let kick = if is_triggered { kick * 0.0 } else { kick };
         let matrix = &reset.by_state + &kick * reset.gradient.transpose() / rate;
+        let matrix = self.landed(at, &after_jump, matrix);
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));
         }
@@ -134,6 +137,39 @@ impl<'a> Tangent<'a> {
             kick,
             gradient: reset.gradient,
         })
+    }
+
+    /// The effect of a jump that leaves a body on a stop. A vector that gives it a speed off there,
+    /// as the derivative by a restitution of 0 does, makes it land after a flight of the duration
+    /// `2 w/a`, with `w` that speed and `a` the acceleration towards the stop.
+    fn landed(&self, at: &Transition, after: &Moment, mut matrix: Matrix) -> Matrix {
+        for landing in self.system.landings(after) {
+            let speeds = matrix.tr_mul(&landing.gradient);
+            let sizes = matrix.abs().tr_mul(&landing.gradient.abs());
+            let is_motion = |(speed, size): (&f64, &f64)| speed.abs() > SAME * size;
+            if landing.lands && speeds.iter().zip(sizes.iter()).any(is_motion) {
+                let flight = Moment {
+                    t: after.t,
+                    x: self.system.opened(after.x.clone()),
+                };
+                let [before, after] =
+                    [&flight, after].map(|at_| self.system.flow(at.to, at_).velocity(at_));
+                let acceleration = landing.in_time + landing.gradient.dot(&before);
+                let kick = after - &landing.by_state * before - &landing.by_time;
+                matrix = &landing.by_state * matrix;
+                matrix += kick * speeds.transpose() * (2.0 / acceleration);
+            }
+        }
+        matrix
+    }
+
+    /// Whether a landing follows another jump in its instant, and no series of impacts.
+    fn is_landing_triggered(&self, at: &Transition, cause: Cause) -> bool {
+        let is_other = |jump: usize| {
+            let is_impact = self.system.rest_after(jump) == Some(at.contact);
+            !is_impact && !self.system.reset(jump, &at.moment()).lands
+        };
+        !cause.is_first && cause.follows.is_some_and(is_other)
     }
 
     /// The effect of a change of mode at the kink of an input. It occurs at the time of the kink,
@@ -189,12 +225,12 @@ impl<'a> Tangent<'a> {
     /// # Errors
     /// [`Error::TangentSingular`] where two contacts reach zero in the same instant: the
     /// perturbation decides which comes first.
-    fn jump(&self, at: &Transition, Cause { kink, .. }: Cause) -> Result<Option<Saltation>, Error> {
+    fn jump(&self, at: &Transition, cause: Cause) -> Result<Option<Saltation>, Error> {
         if at.kind == TransitionKind::Jump {
-            return self.reset(at, kink).map(Some);
+            return self.reset(at, cause).map(Some);
         }
         let here = at.moment();
-        if let Some(input) = kink {
+        if let Some(input) = cause.kink {
             return Ok(self.change_at_kink(at, input));
         }
         let Some(guard) = self.system.discontinuity_guard(at) else {

@@ -142,6 +142,10 @@ pub trait Jumps<const N: usize> {
         None
     }
 
+    /// Opens all stops in a state, whether they carry there or not. A start at rest on one closes
+    /// it again. By default there are none.
+    fn open(&self, _x: &mut [f64]) {}
+
     /// Whether the function of a jump is a reaction, which only pushes: a run that starts where it
     /// pulls begins with this jump.
     fn is_reaction(&self, _jump: usize) -> bool {

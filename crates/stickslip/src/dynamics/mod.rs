@@ -339,6 +339,10 @@ pub trait Dynamics: Send + Sync {
     /// carry, and in front of the others.
     fn admitted(&self, at: &Moment) -> Moment;
 
+    /// The state with all stops open. A run from there decides anew which of them carry, as is
+    /// needed where a state is moved by hand.
+    fn opened(&self, x: Vector) -> Vector;
+
     /// The jump that follows where occurrences of a jump accumulate, such as the landing of a stop
     /// for its impact. Both numbers are counted after those of the contacts.
     fn rest_after(&self, number: usize) -> Option<usize>;

@@ -348,6 +348,11 @@ where
         }
     }
 
+    fn opened(&self, mut x: Vector) -> Vector {
+        self.view().jumps.open(x.as_mut_slice());
+        x
+    }
+
     fn rest_after(&self, number: usize) -> Option<usize> {
         let of = self.view();
         let jump = number.checked_sub(self.contacts)?;

@@ -1,14 +1,32 @@
 //! Accumulation of transitions: the way to the accumulation point, and what follows.
 
+use super::flow::Flow;
 use super::guard::Event;
 use super::integration::{Due, Integration, Progress};
 use super::options::AtPileUp;
 use super::pile_up::GeometricSeries;
 use super::root_law::Reached;
-use super::switched::Switched;
+use super::switched::{Switched, UseFlow};
 use crate::error::{ContactFault, Error};
-use crate::ode::{Dense, Timed};
+use crate::ode::{Dense, Dop853, Timed, step_end};
 use crate::orbit::Ending;
+
+/// The state to which the motion leads at a time, in one step.
+struct StepTo<const N: usize> {
+    from: Timed<N>,
+    t: f64,
+}
+
+impl<const N: usize> UseFlow<N> for StepTo<N> {
+    type Output = Timed<N>;
+
+    fn with<F: Flow<N>>(self, flow: &F) -> Timed<N> {
+        let (Timed { t, x }, h) = (self.from, self.t - self.from.t);
+        let slope = flow.velocity(t, &x);
+        let x = step_end::<Dop853, _>(&mut |t, x| flow.velocity(t, x), t, &x, slope, h);
+        Timed { t: self.t, x }
+    }
+}
 
 impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G> {
     /// Interprets a failed step: an event that no step resolves, a pile-up or an ending. Otherwise
@@ -71,7 +89,7 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             let of = self.rests.iter();
             let of = of.filter(|(jump, _)| series.contacts.contains(jump));
             let next: Vec<usize> = of.map(|(_, next)| *next).collect();
-            (!next.is_empty()).then_some((series.at, next))
+            (!next.is_empty()).then_some((series.at.t, next))
         };
         if let Some(landing) = series.as_ref().and_then(rest) {
             self.landing = Some(landing);
@@ -134,10 +152,13 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
         let from = self.run.at;
         let sticking = self.sticking_point.as_ref();
         let sticking = sticking.map(|point| (point.at, Some(point.contact)));
-        // The point is extrapolated. Where its time has passed, it is another instant's state, and
-        // the landing that follows removes what is left of gap and rate here.
-        let landing = self.landing.as_ref();
-        let landing = landing.map(|(at, _)| (if at.t > from.t { *at } else { from }, None));
+        // The motion between impacts leads there, and the landing that follows removes what is left
+        // of gap and rate. A state that is extrapolated would have the noise of the series in all
+        // components.
+        let landing = self.landing.as_ref().map(|(t, _)| match *t > from.t {
+            true => (self.with_flow(StepTo { from, t: *t }), None),
+            false => (from, None),
+        });
         let Some((to, contact)) = sticking.or(landing) else {
             return Progress::End(self.summary(Ending::Failed));
         };

@@ -70,7 +70,7 @@ pub struct Integration<'a, S: Switched<N, G>, const N: usize, const G: usize = G
     pub(super) rests: Vec<(usize, usize)>,
     /// The accumulation point of such jumps and those that follow there, while the run is on its
     /// way.
-    pub(super) landing: Option<(Timed<N>, Vec<usize>)>,
+    pub(super) landing: Option<(f64, Vec<usize>)>,
     /// Recorded calls of the system's functions, if these are interpreted.
     pub(super) recordings: Recordings<S::Mode, S::Branch, N, G>,
     pub(super) due: Due,

@@ -159,6 +159,7 @@ pub(super) fn built(
             is_free_of_sides[number] &= graph.are_same(below.free[number], there.free[number]);
         }
     }
+    let acts = acts(file, inputs, graph)?;
     let mut when = Vec::new();
     for (number, stop) in file.stops.iter().enumerate() {
         if !is_one_force && (file.stops.len() > 1 || !is_free_of_sides[number]) {
@@ -174,7 +175,12 @@ pub(super) fn built(
             // Without reaction there is no friction that follows it, so that the second derivative
             // without reaction vanishes with it on either side.
             let force = match is_one_force {
-                true => forces[number],
+                // By what it adds to the second derivative: bodies may be as light as one likes.
+                true => {
+                    let unit = derivative(graph, below.rates[number], push(&acts[number]))?;
+                    let unit = graph.call(Function::Abs, unit)?;
+                    graph.binary(Binary::Product, forces[number], unit)?
+                }
                 false => {
                     let against = graph.negative(below.free[number])?;
                     graph.binary(Binary::Product, against, closed)?
@@ -187,7 +193,6 @@ pub(super) fn built(
         })();
         when.push(function.map_err(|error| no_number(error, stop.place.clone()))?);
     }
-    let acts = acts(file, inputs, graph)?;
     let impacts = impacts(file, inputs, graph, (&below, &acts))?;
     Ok(Events { when, impacts })
 }

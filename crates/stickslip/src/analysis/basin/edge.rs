@@ -218,7 +218,8 @@ impl Tracking<'_> {
         let mut span = drive.unwrap_or(1e-3 * longest);
         let mut t = 0.0;
         let mut next_attempt = 0.0;
-        let middle = |pair: &[Vector; 2]| (&pair[0] + &pair[1]) * 0.5;
+        let system = self.system;
+        let middle = |[one, other]: &[Vector; 2]| system.opened((one + other) * 0.5);
         self.track.push(Moment {
             t,
             x: middle(&pair),
@@ -329,7 +330,9 @@ impl Tracking<'_> {
     }
 
     /// Two states near each other on both sides of the boundary.
-    fn bisect(&mut self, [mut one, mut other]: [Vector; 2]) -> Result<[Vector; 2], Error> {
+    fn bisect(&mut self, pair: [Vector; 2]) -> Result<[Vector; 2], Error> {
+        // Between a state on a stop and one in front of it there is none that carries.
+        let [mut one, mut other] = pair.map(|x| self.system.opened(x));
         self.bisections += 1;
         while (&other - &one).norm() > self.near {
             let middle = (&one + &other) * 0.5;

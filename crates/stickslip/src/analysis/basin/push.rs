@@ -107,12 +107,13 @@ pub fn least_pushes<Kind>(
         let bound = "of a length that is positive and finite, with a part for each state";
         require(is_allowed, "direction", size, bound)?;
     }
+    let dynamics = system.dynamics();
     let home = attractor_of_many(system, &from, settings, options)?;
     let of_ray = |direction: &Vector| -> Result<Option<Push>, Error> {
         let mut distinct = Attractors::new(system, settings, options);
         let home = distinct.number(home.clone());
         let mut leaves = |size: f64| -> Result<Option<Attractor>, Error> {
-            let start = &from + direction * size;
+            let start = dynamics.opened(&from + direction * size);
             let reached = attractor_of_many(system, start, settings, options)?;
             let is_other = distinct.number(reached.clone()) != home;
             Ok(is_other.then_some(reached))
