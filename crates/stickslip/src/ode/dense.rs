@@ -108,6 +108,15 @@ impl<const N: usize> Dense<N> {
         }
     }
 
+    /// Coefficients of the powers of the part of a Taylor step; `None` for other steps.
+    #[inline(always)]
+    pub(crate) fn series(&self) -> Option<&[State<N>]> {
+        match &self.polynomial {
+            DensePolynomial::Series(order, c) => Some(&c[..=*order]),
+            DensePolynomial::Hermite(_) | DensePolynomial::RungeKutta(_) => None,
+        }
+    }
+
     /// Whether the field was finite at every stage. The slope at the end enters the fourth
     /// coefficient, all further slopes the last.
     #[inline(always)]

@@ -15,11 +15,11 @@ const NARROWEST_INTERVAL: f64 = 7.5e-9;
 
 /// An interval that holds a zero: the polynomial is positive at `a` and not positive at `b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct RootBracket {
-    a: f64,
-    b: f64,
-    at_a: f64,
-    at_b: f64,
+pub(crate) struct RootBracket {
+    pub a: f64,
+    pub b: f64,
+    pub at_a: f64,
+    pub at_b: f64,
 }
 
 /// Reciprocal binomial coefficients: `INVERSE_BINOMIAL[n][k] = 1/C(n, k)`.
@@ -139,6 +139,14 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
         let (a, b) = (0.0, 1.0);
         return Some(newton(c, RootBracket { a, b, at_a, at_b }, guess));
     }
+    let bracket = isolate(&bernstein(c)[..c.len()], 0.0, 1.0)?;
+    let RootBracket { a, b, at_a, at_b } = bracket;
+    let guess = a + (b - a) * (at_a / (at_a - at_b));
+    Some(newton(c, bracket, guess))
+}
+
+/// Bernstein coefficients on the unit interval.
+fn bernstein(c: &[f64]) -> [f64; MAX_COEFFICIENTS] {
     let n = c.len() - 1;
     let mut b = [0.0; MAX_COEFFICIENTS];
     for (k, (b, c)) in b.iter_mut().zip(c).enumerate() {
@@ -154,10 +162,94 @@ pub(crate) fn search(c: &[f64]) -> Option<f64> {
             before = old;
         }
     }
-    let bracket = isolate(&b[..=n], 0.0, 1.0)?;
-    let RootBracket { a, b, at_a, at_b } = bracket;
-    let guess = a + (b - a) * (at_a / (at_a - at_b));
-    Some(newton(c, bracket, guess))
+    b
+}
+
+/// The places in the open unit interval at which `Σ c_k s^k` turns, in order, and their number. The
+/// number is [`MAX_COEFFICIENTS`] where rounding finds more than there can be.
+pub(crate) fn turning_points(c: &[f64]) -> ([f64; MAX_COEFFICIENTS], usize) {
+    let mut places = ([0.0; MAX_COEFFICIENTS], 0);
+    let mut slope = [0.0; MAX_COEFFICIENTS];
+    for (k, (slope, c)) in slope.iter_mut().zip(&c[1..]).enumerate() {
+        *slope = (k + 1) as f64 * c;
+    }
+    let slope = &slope[..c.len() - 1];
+    let others: f64 = slope[1..].iter().map(|c| c.abs()).sum();
+    if slope[0].abs() <= others {
+        let b = bernstein(slope);
+        sign_changes(slope, &b[..slope.len()], (0.0, 1.0), &mut places);
+    }
+    places
+}
+
+/// Adds the places between `lo` and `hi` at which `Σ c_k s^k`, with Bernstein coefficients `b`
+/// there, changes its sign.
+fn sign_changes(
+    c: &[f64],
+    b: &[f64],
+    (lo, hi): (f64, f64),
+    places: &mut ([f64; MAX_COEFFICIENTS], usize),
+) {
+    let n = b.len() - 1;
+    let is_changed = (b[0] > 0.0) != (b[n] > 0.0);
+    let changes = b
+        .windows(2)
+        .filter(|pair| (pair[0] > 0.0) != (pair[1] > 0.0));
+    let place = match changes.count() {
+        0 => return,
+        1 => between(c, (lo, hi), b[0] > 0.0),
+        _ if hi - lo > NARROWEST_INTERVAL => {
+            let ([left, right], middle) = (halves(b), 0.5 * (lo + hi));
+            sign_changes(c, &left[..=n], (lo, middle), places);
+            sign_changes(c, &right[..=n], (middle, hi), places);
+            return;
+        }
+        _ if is_changed => lo,
+        _ => return,
+    };
+    let (found, count) = places;
+    if let Some(found) = found.get_mut(*count) {
+        *found = place;
+        *count += 1;
+    }
+}
+
+/// The one sign change between two places, near enough that the function is flat there.
+fn between(c: &[f64], (mut a, mut b): (f64, f64), is_positive_before: bool) -> f64 {
+    let mut s = 0.5 * (a + b);
+    while b - a > NARROWEST_INTERVAL {
+        let (value, slope) = power_series(c, s);
+        if (value > 0.0) == is_positive_before {
+            a = s;
+        } else {
+            b = s;
+        }
+        let next = s - value / slope;
+        if (next - s).abs() <= NARROWEST_INTERVAL {
+            return next.clamp(a, b);
+        }
+        s = if next > a && next < b {
+            next
+        } else {
+            0.5 * (a + b)
+        };
+    }
+    s
+}
+
+/// Bernstein coefficients on the halves of the interval (de Casteljau).
+fn halves(b: &[f64]) -> [[f64; MAX_COEFFICIENTS]; 2] {
+    let n = b.len() - 1;
+    let (mut left, mut right) = ([0.0; MAX_COEFFICIENTS], [0.0; MAX_COEFFICIENTS]);
+    right[..=n].copy_from_slice(b);
+    for (i, left) in left.iter_mut().enumerate().take(n + 1) {
+        *left = right[0];
+        for k in 0..n - i {
+            right[k] = 0.5 * (right[k] + right[k + 1]);
+        }
+    }
+    // Each `right[k]` has stopped at its own column of de Casteljau's triangle.
+    [left, right]
 }
 
 /// Coefficients of the derivative, times a factor.
@@ -217,15 +309,7 @@ fn isolate(b: &[f64], lo: f64, hi: f64) -> Option<RootBracket> {
     if hi - lo <= NARROWEST_INTERVAL {
         return (b[n] <= 0.0).then_some(bracket);
     }
-    let (mut left, mut right) = ([0.0; MAX_COEFFICIENTS], [0.0; MAX_COEFFICIENTS]);
-    right[..=n].copy_from_slice(b);
-    for (i, left) in left.iter_mut().enumerate().take(n + 1) {
-        *left = right[0];
-        for k in 0..n - i {
-            right[k] = 0.5 * (right[k] + right[k + 1]);
-        }
-    }
-    // Each `right[k]` has stopped at its own column of de Casteljau's triangle.
+    let [left, right] = halves(b);
     let middle = 0.5 * (lo + hi);
     isolate(&left[..=n], lo, middle).or_else(|| isolate(&right[..=n], middle, hi))
 }
@@ -249,7 +333,7 @@ const CONVERGED_CHANGE: f64 = 1e-9;
 const ROUNDED_CHANGE: f64 = 1e-17;
 
 /// The zero in a bracket by Newton's iteration from a guess, safeguarded by bisection.
-fn newton(c: &[f64], bracket: RootBracket, guess: f64) -> f64 {
+pub(crate) fn newton(c: &[f64], bracket: RootBracket, guess: f64) -> f64 {
     let RootBracket {
         mut a, mut b, at_a, ..
     } = bracket;
@@ -368,6 +452,41 @@ mod tests {
                 assert_eq!(first_zero(&with_gap(-gap)), None);
             }
         }
+    }
+
+    #[test]
+    fn a_polynomial_turns_at_the_zeros_of_its_slope() {
+        let mut draw = SplitMix::new(1961);
+        for count in 0..6 {
+            for _ in 0..200 {
+                let mut places: Vec<f64> = (0..count).map(|_| draw.between(0.02, 0.98)).collect();
+                places.sort_by(f64::total_cmp);
+                let slope = polynomial(&places, draw.between(0.1, 3.0));
+                let mut c = vec![draw.between(-1.0, 1.0); MAX_COEFFICIENTS];
+                for k in 1..MAX_COEFFICIENTS {
+                    c[k] = slope[k - 1] / k as f64;
+                }
+                let (found, turns) = turning_points(&c);
+                let close = places.windows(2).any(|pair| pair[1] - pair[0] < 1e-2);
+                if !close {
+                    assert_eq!(turns, count, "{places:?}");
+                    for (found, place) in found.iter().zip(&places) {
+                        assert!((found - place).abs() < 1e-7, "{found} {place}");
+                    }
+                }
+                // From one to the next it is monotone to rounding.
+                let ends = [&[0.0], &found[..turns], &[1.0]].concat();
+                for pair in ends.windows(2) {
+                    let at = |i: i32| {
+                        let s = pair[0] + (pair[1] - pair[0]) * f64::from(i) / 50.0;
+                        power_series(&c, s).0
+                    };
+                    let way = (at(50) - at(0)).signum();
+                    assert!((0..50).all(|i| way * (at(i + 1) - at(i)) > -1e-14));
+                }
+            }
+        }
+        assert_eq!(turning_points(&polynomial(&[], 2.0)).1, 0);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use std::f64::consts::PI;
 
+use numerics::SplitMix;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
 use stickslip::dynamics::{Matrix, Vector};
@@ -28,6 +29,8 @@ pub enum Function {
     Fine(f64),
     /// A fall through zero at this time, with a narrow bump 0.2 later.
     Bump(f64),
+    /// A combination of time, first and last component and one, declared as affine or not.
+    Combination([f64; 4], bool),
 }
 
 /// Event functions, the directions searched for, and the terminal event.
@@ -50,6 +53,9 @@ impl<const N: usize, const E: usize> EventFunctions<N> for EventSet<E> {
                 let late = (t - (fall + 0.2)) * 1e3;
                 -t + fall + (-late * late).exp() * 2.0
             }
+            Function::Combination([in_time, first, last, one], _) => {
+                t * in_time + x[0] * first + x[N - 1] * last + one
+            }
         }
     }
     fn direction(&self, number: usize) -> Direction {
@@ -57,6 +63,10 @@ impl<const N: usize, const E: usize> EventFunctions<N> for EventSet<E> {
     }
     fn is_terminal(&self, number: usize) -> bool {
         self.terminal == Some(number)
+    }
+    fn is_affine(&self, number: usize) -> bool {
+        use Function::{Combination, Level};
+        matches!(self.functions[number], Level(..) | Combination(_, true))
     }
 }
 
@@ -211,6 +221,54 @@ fn pairs_of_zeros_are_seen_and_misses_are_not() {
             assert_eq!(missed.events, []);
         }
     }
+}
+
+/// Affine functions are found on the solution itself, others by calls; both find the same.
+#[test]
+fn a_function_has_the_zeros_that_it_has_without_being_declared_as_affine() {
+    let mut draw = SplitMix::new(1963);
+    let mut count = 0;
+    for round in 0..60 {
+        let mut slope = |zero: bool| match zero {
+            true => 0.0,
+            false => draw.between(-1.0, 1.0),
+        };
+        let slopes = [
+            slope(round % 3 > 0),
+            slope(round % 4 == 1),
+            slope(round % 4 == 2),
+        ];
+        let of = |one: f64, is_declared| {
+            Function::Combination([0.1 * slopes[0], slopes[1], slopes[2], one], is_declared)
+        };
+        // Two with the same slopes.
+        let ones = [draw.between(-1.5, 1.5), draw.between(-1.5, 1.5)];
+        for (options, allowed) in &methods()[..2] {
+            let found = [true, false].map(|is_declared| {
+                let events = EventSet {
+                    functions: ones.map(|one| of(one, is_declared)),
+                    directions: [Both, Both],
+                    terminal: None,
+                };
+                let found = solve_with_events(&Floor, &events, 0.0, START, 12.0, options).unwrap();
+                found.events
+            });
+            let [declared, called] = &found;
+            assert_eq!(declared.len(), called.len(), "{round}");
+            for (one, other) in declared.iter().zip(called) {
+                assert_eq!((one.number, one.mode), (other.number, other.mode));
+                assert_eq!(one.direction, other.direction);
+                assert!((one.rate - other.rate).abs() < 1e-12, "{round}");
+                // Rounding of the function over the rate.
+                assert!(
+                    (one.t - other.t).abs() * one.rate.abs() < *allowed,
+                    "{round}"
+                );
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 200, "{count}");
 }
 
 #[test]

@@ -214,11 +214,7 @@ where
         at: &EventProbe<N>,
         on_crossing: &mut OnCrossing<'_, N>,
     ) -> ControlFlow<()> {
-        let direction = if self.side < 0.0 {
-            Direction::Rising
-        } else {
-            Direction::Falling
-        };
+        let direction = Direction::leaving(self.side);
         self.side = -self.side;
         on_crossing(at, direction)
     }
@@ -298,7 +294,15 @@ where
         if after.s >= 1.0 && after.value.abs() <= self.over.rounding_at(after) {
             return Some(*after);
         }
-        let (mut a, mut b) = (before.s, after.s);
+        let here = self.newton((before.s, after.s), estimate);
+        // Where rounding hides a zero, a value may be larger than those at the ends.
+        let size = |end: &EventProbe<N>| end.value.abs().max(self.over.rounding_at(end));
+        (here.value.abs() <= size(before).max(size(after))).then_some(here)
+    }
+
+    /// Newton's iteration for a zero from an estimate, held between two places by bisection. The
+    /// function has its last sign before the zero.
+    pub(super) fn newton(&self, (mut a, mut b): (f64, f64), estimate: f64) -> EventProbe<N> {
         let mut here = self.exact(estimate.clamp(a, b));
         for _ in 0..MAX_ITERATIONS {
             if here.value == 0.0 {
@@ -324,8 +328,6 @@ where
             }
             here = self.exact(next);
         }
-        // Where rounding hides a zero, a value may be larger than those at the ends.
-        let size = |end: &EventProbe<N>| end.value.abs().max(self.over.rounding_at(end));
-        (here.value.abs() <= size(before).max(size(after))).then_some(here)
+        here
     }
 }

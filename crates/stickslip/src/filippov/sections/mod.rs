@@ -1,6 +1,7 @@
 //! Events of the user's own: zeros of functions that do not affect the motion, searched in every
 //! step after it was taken.
 
+mod affine;
 mod common;
 mod crossings;
 mod over_step;
@@ -29,6 +30,14 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// Direction of a passage from the side of zero with this sign.
+    pub(crate) fn leaving(side: f64) -> Direction {
+        match side < 0.0 {
+            true => Direction::Rising,
+            false => Direction::Falling,
+        }
+    }
+
     /// Whether a passage in the direction `passed` is requested.
     pub(crate) fn includes(self, passed: Direction) -> bool {
         self == Direction::Both || self == passed
@@ -100,8 +109,8 @@ pub trait EventFunctions<const N: usize> {
     }
 
     /// Whether function `number` is affine: a sum of constant multiples of time and the state's
-    /// components, and a constant. Its bounds over a step then follow from the solution, without a
-    /// call. The default is to call it.
+    /// components, and a constant. Its bounds over a step, and over a Taylor step its zeros, then
+    /// follow from the solution, without a call. The default is to call it.
     fn is_affine(&self, _number: usize) -> bool {
         false
     }

@@ -39,46 +39,6 @@ const PARTS: [(f64, f64); 6] = [
     (0.75, 1.0),
 ];
 
-/// An affine function of time and state.
-pub(super) struct Affine<const N: usize> {
-    normal: State<N>,
-    in_time: f64,
-    constant: f64,
-}
-
-impl<const N: usize> Affine<N> {
-    /// Event function `number`, if it is affine.
-    pub(super) fn of(events: &impl EventFunctions<N>, number: usize) -> Option<Self> {
-        if !events.is_affine(number) {
-            return None;
-        }
-        let (t, x) = (0.0, State::from([0.0; N]));
-        let value = |t, x: &_| events.value(number, t, x);
-        let (normal, in_time) = gradient(value, &Timed { t, x }, N);
-        Some(Affine {
-            normal,
-            in_time,
-            constant: events.value(number, t, components(&x)),
-        })
-    }
-
-    /// Whether it certainly has the sign `side` throughout a step of states of this size.
-    fn has_sign<K>(&self, side: f64, over: &SampledStep<'_, K, N>, of: &State<N>) -> bool {
-        let StepRecord { t_start, dense, .. } = over.step;
-        let half = 0.5 * dense.h * self.in_time;
-        let of_time = [self.in_time * dense.t0, half, self.in_time * t_start];
-        let range = over.terms().range_along(&self.normal, half);
-        let size = self.constant.abs() + of_time.iter().map(|part| part.abs()).sum::<f64>();
-        let size = size + self.normal.abs().dot(of);
-        let middle = 0.5 * (range.low + range.high) + (self.constant + (of_time[0] + half));
-        let reach = 0.5 * (range.high - range.low) + AFFINE_ROUNDING * size;
-        side * middle > reach
-    }
-}
-
-/// Rounding of an affine function, relative to the size of its terms.
-const AFFINE_ROUNDING: f64 = 64.0 * f64::EPSILON;
-
 impl<'a, K, const N: usize> SampledStep<'a, K, N> {
     pub(super) fn new(step: &'a StepRecord<N, K>) -> Self {
         SampledStep {
@@ -111,7 +71,7 @@ impl<'a, K, const N: usize> SampledStep<'a, K, N> {
         self.nodes.get_or_init(|| UNIT_NODES.map(|s| self.at(s)))
     }
 
-    fn terms(&self) -> &SolutionTerms<N> {
+    pub(super) fn terms(&self) -> &SolutionTerms<N> {
         self.terms.get_or_init(|| self.step.dense.terms())
     }
 
@@ -208,12 +168,8 @@ impl<S, V: EventFunctions<N>, K: Copy, const N: usize> OverStep<'_, S, V, K, N> 
         self.events.is_as_smooth_as_state(self.number)
     }
 
-    /// Whether boxes of the states, or the solution itself, prove that the function has the sign
-    /// `side`.
-    pub(super) fn is_clear_throughout(&self, side: f64, affine: Option<&Affine<N>>) -> bool {
-        if let Some(affine) = affine {
-            return affine.has_sign(side, self.over, self.size);
-        }
+    /// Whether boxes of the states prove that the function has the sign `side`.
+    pub(super) fn is_clear_throughout(&self, side: f64) -> bool {
         let step = self.step();
         let times = Interval::new(step.t_start, step.t_end);
         let is_clear = |states: &[Interval; N]| self.has_sign(side, times, states);
@@ -351,6 +307,7 @@ impl<K, const N: usize> UseFlow<N> for StateInStep<'_, K, N> {
 mod tests {
     use numerics::SplitMix;
 
+    use super::super::affine::Slopes;
     use super::*;
     use crate::filippov::integration::{Integration, Progress};
     use crate::filippov::options::Options;
@@ -398,7 +355,11 @@ mod tests {
             while run.step().unwrap() == Progress::Step {
                 let step = run.last_step();
                 let over = SampledStep::new(&step);
-                for number in 0..levels.count() {
+                let (functions, mut slopes) = Slopes::of(&levels);
+                for slopes in &mut slopes {
+                    slopes.follow(&over, &step.x_end.abs());
+                }
+                for (number, affine) in functions.into_iter().enumerate() {
                     let of = OverStep {
                         system: &Oscillator,
                         events: &levels,
@@ -410,16 +371,19 @@ mod tests {
                         zero: 0.0,
                     };
                     let side = of.sampled(0.5).signum();
-                    let affine = Affine::of(&levels, number);
                     assert_eq!(affine.is_some(), number < 200);
-                    let is_clear = of.is_clear_throughout(side, affine.as_ref());
+                    let mut is_clear_throughout = |side| match affine {
+                        Some(affine) => slopes[affine.slopes].has_sign(side, affine),
+                        None => of.is_clear_throughout(side),
+                    };
+                    let is_clear = is_clear_throughout(side);
                     let mut samples = (0..=64).map(|k| of.sampled(f64::from(k) / 64.0));
                     let has_sign = samples.all(|value| side * value > 0.0);
                     assert!(has_sign || !is_clear, "{number}");
                     assert!(is_clear || number < 200, "half the distance to a circle");
                     clear += u32::from(is_clear);
                     without_zero += u32::from(has_sign);
-                    assert!(!of.is_clear_throughout(-side, affine.as_ref()));
+                    assert!(!is_clear_throughout(-side));
                 }
             }
             // Terms that reach their bounds at other times hide some.

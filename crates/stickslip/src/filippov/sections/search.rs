@@ -2,9 +2,10 @@
 
 use std::ops::ControlFlow;
 
+use super::affine::{Affine, SeriesZero, Slopes};
 use super::crossings::Crossings;
-use super::over_step::{Affine, OverStep, SampledStep};
-use super::{EventFunctions, EventRecord};
+use super::over_step::{OverStep, SampledStep};
+use super::{Direction, EventFunctions, EventRecord};
 use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
 use crate::filippov::integration::Integration;
 use crate::filippov::observer::StepRecord;
@@ -13,7 +14,7 @@ use crate::filippov::rules::LieDerivatives;
 use crate::filippov::switched::{Switched, UseFlow};
 use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::Timed;
-use crate::system::{State, components};
+use crate::system::{Mode, State, components};
 
 /// Whether a function stands at a zero. It is compared with the value there, which location and
 /// rounding leave, until it has the sign that it left with.
@@ -70,8 +71,11 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     /// Knowledge of each function at the end of the last step, and at its start.
     known: Vec<Known>,
     known_before: Vec<Known>,
-    /// Each function that is affine.
-    affine: Vec<Option<Affine<N>>>,
+    /// Each function that is affine, and the slopes that these have.
+    affine: Vec<Option<Affine>>,
+    slopes: Vec<Slopes<N>>,
+    /// Room for the zeros of a function.
+    zeros: Vec<SeriesZero>,
     /// Recent size of the state's components, and that at the start of the last step.
     size: State<N>,
     size_before: State<N>,
@@ -100,13 +104,14 @@ where
 {
     /// A search through successive steps of one run of `system` with `options`, from any step on.
     pub fn new(system: &'a S, events: V, options: &Options) -> Self {
+        let (affine, slopes) = Slopes::of(&events);
         EventSearch {
             system,
             known: vec![Known::default(); events.count()],
             known_before: Vec::new(),
-            affine: (0..events.count())
-                .map(|number| Affine::of(&events, number))
-                .collect(),
+            affine,
+            slopes,
+            zeros: Vec::new(),
             events,
             method: options.method,
             size: State::zeros(),
@@ -157,7 +162,27 @@ where
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
         let sampled = SampledStep::new(step);
+        for slopes in &mut self.slopes {
+            slopes.follow(&sampled, &self.size);
+        }
+        // A slide is settled on its boundary, from which its series drifts.
+        let slides = S::of_contacts(&step.mode).contains(&Mode::Stick);
         for number in 0..self.known.len() {
+            let Known { side, standing } = &mut self.known[number];
+            let affine = self.affine[number].filter(|_| *side != 0.0);
+            if let (Standing::Leaving(_), Some(of)) = (*standing, affine)
+                && self.slopes[of.slopes].has_left(*side, of)
+            {
+                *standing = Standing::Left;
+            }
+            let (side, standing) = (*side, *standing);
+            let has_left = side != 0.0 && matches!(standing, Standing::Left);
+            if let Some(of) = affine
+                && has_left
+                && self.slopes[of.slopes].has_sign(side, of)
+            {
+                continue;
+            }
             let over = OverStep {
                 system: self.system,
                 events: &self.events,
@@ -168,31 +193,70 @@ where
                 size: &self.size,
                 zero: 0.0,
             };
-            let Known { side, standing } = self.known[number];
-            let has_left = side != 0.0 && matches!(standing, Standing::Left);
-            if has_left && over.is_clear_throughout(side, self.affine[number].as_ref()) {
+            if has_left && affine.is_none() && over.is_clear_throughout(side) {
                 continue;
             }
             let (requested, only_first) = (self.events.direction(number), self.only_first);
             let events = &mut self.last_events;
+            let mut report = |at: &Timed<N>, rate: f64, direction: Direction| {
+                events.push(EventRecord {
+                    number,
+                    t: at.t,
+                    x: at.x,
+                    mode: step.mode,
+                    direction,
+                    rate,
+                });
+                match only_first {
+                    true => ControlFlow::Break(()),
+                    false => ControlFlow::Continue(()),
+                }
+            };
             let mut crossings = Crossings::<S, V, _, N, G>::new(over, side);
-            let standing = crossings.stand(standing);
-            let _ = crossings.each(&mut |probe, direction| {
-                if requested.includes(direction) {
-                    events.push(EventRecord {
-                        number,
-                        t: probe.at.t,
-                        x: probe.at.x,
-                        mode: step.mode,
-                        direction,
-                        rate: probe.rate,
-                    });
-                    if only_first {
-                        return ControlFlow::Break(());
+            let begins_at_zero = matches!(standing, Standing::AtStart(_));
+            if let Some(of) = affine
+                && !slides
+                && (has_left || begins_at_zero)
+                && self.slopes[of.slopes].find_zeros((side, begins_at_zero), of, &mut self.zeros)
+            {
+                if begins_at_zero {
+                    crossings.over.zero = crossings.over.value_at_start();
+                }
+                let slopes = &self.slopes[of.slopes];
+                for zero in &self.zeros {
+                    let direction = Direction::leaving(crossings.side);
+                    let located = match (requested.includes(direction), only_first) {
+                        (false, _) => None,
+                        // The state before a jump is as near to the zero as single values are.
+                        (true, true) => {
+                            let probe = crossings.newton(zero.between, slopes.part(zero.s, step));
+                            Some((probe.at, probe.rate))
+                        }
+                        (true, false) => slopes.at(zero.s, step),
+                    };
+                    crossings.side = -crossings.side;
+                    if let Some((at, rate)) = located
+                        && report(&at, rate, direction).is_break()
+                    {
+                        break;
                     }
                 }
-                ControlFlow::Continue(())
-            });
+                self.known[number] = Known {
+                    side: crossings.side,
+                    standing: match begins_at_zero {
+                        true => Standing::Leaving(crossings.over.zero),
+                        false => Standing::Left,
+                    },
+                };
+                continue;
+            }
+            let standing = crossings.stand(standing);
+            let _ = crossings.each(
+                &mut |probe, direction| match requested.includes(direction) {
+                    true => report(&probe.at, probe.rate, direction),
+                    false => ControlFlow::Continue(()),
+                },
+            );
             self.known[number] = Known {
                 side: crossings.side,
                 standing: match standing {
