@@ -19,7 +19,7 @@ use stickslip_model::kernel::{follow_all, follow_on};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::past::PastWatch;
 use stickslip_model::study::{
-    DerivativeError, FrictionWatch, StepMonitor, Variables, left_out_at_start,
+    FrictionWatch, StepMonitor, Variables, VariedSystem, VariedTangents, left_out_at_start,
 };
 
 use crate::errors::{Failure, Keywords, computation, failed, words};
@@ -74,6 +74,8 @@ struct Recording<'a> {
     signals: Option<&'a mut Signals>,
     friction: FrictionWatch<'a>,
     monitor: StepMonitor,
+    /// Tangent vectors, if derivatives are wanted.
+    tangents: Option<VariedTangents<'a>>,
     /// Watch for moments without a past, with reversed time.
     past: Option<PastWatch<'a>>,
     /// Place and contact of a slide that has none.
@@ -126,6 +128,7 @@ impl<'a> Recording<'a> {
             signals,
             friction: FrictionWatch::new(system),
             monitor: StepMonitor::new(system, (t, x), t_end, options),
+            tangents: None,
             past: wanted.is_reversed.then(|| PastWatch::new(system, options)),
             slide: None,
             doubtful: Vec::new(),
@@ -150,7 +153,7 @@ impl<'a> Recording<'a> {
                     self.limit = t;
                     self.terminal = Some(at.moment());
                 }
-                self.orbit.take(progress, orbit);
+                self.take(progress, orbit);
                 if is_last {
                     return ControlFlow::Break(());
                 }
@@ -164,11 +167,19 @@ impl<'a> Recording<'a> {
                     self.slide = Some((at.moment(), contact));
                     return ControlFlow::Break(());
                 }
-                self.orbit.take(progress, orbit);
+                self.take(progress, orbit);
             }
             progress => self.orbit.take(progress, orbit),
         }
         ControlFlow::Continue(())
+    }
+
+    /// Records an event.
+    fn take(&mut self, progress: OrbitProgress, orbit: &mut dyn OrbitUnderWay) {
+        if let Some(tangents) = &mut self.tangents {
+            tangents.event(&progress);
+        }
+        self.orbit.take(progress, orbit);
     }
 
     fn step(&mut self, orbit: &mut dyn OrbitUnderWay) -> ControlFlow<()> {
@@ -187,6 +198,9 @@ impl<'a> Recording<'a> {
             self.monitor.reaches(middle.as_slice());
         }
         self.orbit.step(step, orbit);
+        if let Some(tangents) = &mut self.tangents {
+            tangents.step(&self.orbit, orbit);
+        }
         match self.slide {
             Some(_) => ControlFlow::Break(()),
             None => ControlFlow::Continue(()),
@@ -200,6 +214,7 @@ struct Solved {
     doubtful: Vec<String>,
     outcome: Result<Summary, Error>,
     memory: Option<RunMemory>,
+    derivatives: Option<OrbitDerivatives>,
     /// Whether an event ended the run.
     is_terminated: bool,
     /// Place and contact of the slide that ended a run backwards.
@@ -225,7 +240,9 @@ impl Recording<'_> {
         let mut doubtful = self.doubtful;
         doubtful.extend(self.friction.warning());
         doubtful.extend(self.monitor.below_tolerance(system, &Keywords));
+        let tangents = self.tangents.take();
         Solved {
+            derivatives: tangents.map(|of| of.finish(&self.orbit, &outcome)),
             orbit: self.orbit,
             doubtful,
             outcome,
@@ -252,12 +269,13 @@ fn watched(system: &CompiledSystem, events: usize) -> Vec<Section> {
     sections
 }
 
-/// Follows an orbit. Its system has a section for each event.
+/// Follows an orbit, from the end of another run or with derivatives, if given. The system has a
+/// section for each event.
 fn solved(
     system: &CompiledSystem,
     run: ((f64, &[f64]), f64, &Options),
     wanted: Wanted<'_>,
-    from: Option<&RunMemory>,
+    (from, by): (Option<&RunMemory>, Option<&VariedSystem<'_>>),
     signals: &mut Signals,
 ) -> Solved {
     let ((t, x), t_end, options) = run;
@@ -272,7 +290,6 @@ fn solved(
         recording.slide = Some((at, contact));
         return recording.finished(system, Err(Error::NoUniqueFuture { t, x }), None);
     }
-    let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
     let dynamics = system.dynamics();
     let begun = match from {
         None => dynamics.begin(&at, t_end, options, &sections),
@@ -281,6 +298,12 @@ fn solved(
     let mut memory = None;
     let outcome = begun.and_then(|mut orbit| {
         orbit.remember();
+        if let Some(by) = by {
+            let tangents = by.tangents((&*orbit, &at), &sections, options)?;
+            recording.tangents = Some(tangents);
+        }
+        let mut watcher =
+            |progress, orbit: &mut dyn OrbitUnderWay| recording.watch(progress, orbit);
         let outcome = follow_on(&mut *orbit, &mut watcher);
         memory = orbit.memory();
         outcome
@@ -344,12 +367,13 @@ pub(crate) fn solve<'py>(
     let variables = variables.map_err(|error| {
         PyValueError::new_err(format!("derivatives = {derivatives:?}: {error}"))
     })?;
+    let by = (!derivatives.is_empty()).then(|| variables.of(compiled));
+    let by = by.transpose();
+    let by = by.map_err(|error| PyValueError::new_err(error.to_string()))?;
     let run = ((t, &x[..]), t_end, &options);
-    let solved = py.detach(|| solved(compiled, run, wanted, from.as_ref(), &mut signals));
-    let found = match derivatives.is_empty() {
-        true => None,
-        false => Some(py.detach(|| differentiated(compiled, &variables, run, most.len(), &solved))),
-    };
+    let with = (from.as_ref(), by.as_ref());
+    let mut solved = py.detach(|| solved(compiled, run, wanted, with, &mut signals));
+    let found = solved.derivatives.take();
     let fields = described(
         py,
         compiled,
@@ -358,62 +382,12 @@ pub(crate) fn solve<'py>(
         (most.len(), dense_output),
     )?;
     if let Some(found) = found {
-        let found = found.map_err(|error| match error {
-            DerivativeError::Setting(error) => PyValueError::new_err(error.to_string()),
-            DerivativeError::Run(error) => failed(&error, Some(compiled)),
-            error => PyValueError::new_err(error.to_string()),
-        })?;
         fields.fields(
             "derivatives",
             derivative_fields(py, compiled, &found, derivatives.len())?,
         )?;
     }
     fields.ended(signals.raised)
-}
-
-/// Derivatives of a run, as far as it was recorded.
-fn differentiated(
-    system: &CompiledSystem,
-    variables: &Variables,
-    (start, t_end, options): ((f64, &[f64]), f64, &Options),
-    events_count: usize,
-    solved: &Solved,
-) -> Result<OrbitDerivatives, DerivativeError> {
-    let orbit = &solved.orbit;
-    let mut times: Vec<f64> = orbit.points.iter().map(|point| point.0).collect();
-    let wanted = times.len();
-    // A jump that falls on the end leads to the last state.
-    let mut events = orbit.events.iter().rev();
-    let jump = events.find(|event| event.transition().is_some());
-    let last = orbit.points.iter().next_back().zip(jump);
-    let is_behind = |((t, x), event): &((f64, &[f64]), &OrbitEvent)| {
-        let (before, after) = (event.before(), event.after());
-        *t == event.t() && *x == after.as_slice() && after != before
-    };
-    let is_once = wanted < 2 || times[wanted - 2] < times[wanted - 1];
-    let is_behind = is_once && last.as_ref().is_some_and(is_behind);
-    if is_behind {
-        times.push(times[wanted - 1]);
-    }
-    // Events go on behind the last requested time.
-    times.extend(Some(orbit.end.t).filter(|last| times.last().is_none_or(|t| t < last)));
-    let sections = watched(system, events_count);
-    let mut found = variables.along(system, (start, t_end), (&times, &sections), options)?;
-    if is_behind {
-        found.states.remove(wanted - 1);
-    }
-    found.states.truncate(wanted);
-    let transitions: Vec<f64> = orbit.transitions().map(|at| at.t).collect();
-    variables.fit(system, &mut found, transitions.into_iter());
-    for number in 0..events_count {
-        let mut left = passages(orbit, number).count();
-        found.passages.retain(|(of, _)| {
-            let is_kept = *of != number || left > 0;
-            left -= usize::from(*of == number && left > 0);
-            is_kept
-        });
-    }
-    Ok(found)
 }
 
 /// The passages of one event.

@@ -187,7 +187,8 @@
 //!   [`orbit_derivatives_of`](analysis::orbit_derivatives_of) a
 //!   [`Differentiated`](analysis::Differentiated) run, return
 //!   [`OrbitDerivatives`](analysis::OrbitDerivatives) with
-//!   [`EventDerivatives`](analysis::EventDerivatives),
+//!   [`EventDerivatives`](analysis::EventDerivatives).
+//!   [`OrbitTangents`](analysis::OrbitTangents) go beside an orbit of one's own loop.
 //!   [`periodic_derivatives`](analysis::periodic_derivatives) returns
 //!   [`PeriodicDerivatives`](analysis::PeriodicDerivatives) with
 //!   [`ExtremeDerivatives`](analysis::ExtremeDerivatives).

@@ -1,7 +1,7 @@
 //! Derivatives of an orbit, as tables.
 
 use serde_json::{Map, json};
-use stickslip::analysis::{EventDerivatives, PeriodicOrbit};
+use stickslip::analysis::{EventDerivatives, OrbitDerivatives, PeriodicOrbit};
 use stickslip::dynamics::{Matrix, OrbitEvent};
 use stickslip::error::readable;
 use stickslip::nalgebra::Complex;
@@ -20,30 +20,20 @@ pub(super) fn variables(system: &System, list: &str) -> Result<Variables, Failur
         .map_err(|error| Failure::Usage(format!("--derivatives {list}: {error}")))
 }
 
-/// Computes the derivatives of a recorded run that begins at its start, and adds their tables:
-/// derivatives.csv, with a row for each of steps.csv, and event_derivatives.csv.
+/// Adds the tables of the derivatives of a recorded run: derivatives.csv, with a row for each of
+/// steps.csv, and event_derivatives.csv.
 pub(super) fn put(
-    prepared: &PreparedRun,
-    t_end: f64,
-    variables: &Variables,
+    system: &System,
+    (variables, found): (&Variables, &OrbitDerivatives),
     recording: &Recording,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let PreparedRun {
-        system,
-        options,
-        t,
-        x,
-    } = prepared;
-    let times: Vec<f64> = recording.orbit.points.iter().map(|(t, _)| t).collect();
-    let found = variables.along(system, ((*t, x), t_end), (&times, &[]), options);
-    let mut found = found.map_err(failure)?;
     let events = recording.orbit.events.iter();
-    let transitions: Vec<_> = events.filter(|at| at.transition().is_some()).collect();
-    variables.fit(system, &mut found, transitions.iter().map(|at| at.t()));
+    let transitions = events.filter(|at| at.transition().is_some());
+    let times = recording.orbit.points.iter().map(|(t, _)| t);
     let of_states: Vec<String> = column_names(system, variables, "").collect();
-    if !times.is_empty() {
-        let rows = times.iter().copied().zip(&found.states);
+    if !recording.orbit.points.is_empty() {
+        let rows = times.zip(&found.states);
         let table = Table::new().column("t", |(t, _): &(f64, &Matrix)| *t).many(
             "dx",
             of_states.clone(),
@@ -67,7 +57,7 @@ pub(super) fn put(
             let parts = [of.t.clone(), row_by_row(&of.before), row_by_row(&of.after)];
             parts.concat()
         });
-    let rows = transitions.into_iter().zip(&found.transitions);
+    let rows = transitions.zip(&found.transitions);
     report.table(table.csv("event_derivatives", rows)?);
     if let Some(why) = &found.lost {
         let why = in_words(why, system);

@@ -54,8 +54,15 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
         progress: true,
     };
     let (start, quantities) = ((orbit.t, x), system.quantities(&[])?);
-    let (recording, outcome) =
-        Recording::of(system, start, t_end, options, wanted, None, quantities);
+    let (recording, outcome) = Recording::of(
+        system,
+        start,
+        t_end,
+        options,
+        wanted,
+        (None, None),
+        quantities,
+    );
     outcome?;
     let (extremes, _) = extremes(system.dynamics(), (orbit.t, x), t_end, options)?;
 

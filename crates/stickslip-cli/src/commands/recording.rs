@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use plot::Trace;
+use stickslip::analysis::OrbitDerivatives;
 use stickslip::dynamics::{
     Modes, Moment, OrbitEvent, OrbitProgress, OrbitUnderWay, RecordedOrbit, RunMemory, Sampling,
     Step, Summary, Vector, Watching,
@@ -16,7 +17,9 @@ use crate::render::input_name;
 use output::terminal::{DelayedProgressBar, note};
 use stickslip_model::file::{InputShape, Quantities, System};
 use stickslip_model::kernel::{follow_all, follow_on};
-use stickslip_model::study::{FrictionWatch, StepMonitor, left_out_at_start};
+use stickslip_model::study::{
+    FrictionWatch, StepMonitor, VariedSystem, VariedTangents, left_out_at_start,
+};
 
 /// Number of parts of a step for a curve through the orbit, which has a point between any two.
 /// Steps of high order are long, so that a curve through their ends alone would be a polygon.
@@ -194,6 +197,8 @@ pub(super) struct Recording {
     pub(super) pictures: Option<Pictures>,
     /// The end, if another run can go on from it.
     pub(super) memory: Option<RunMemory>,
+    /// Derivatives at its points and transitions, if they are wanted.
+    pub(super) derivatives: Option<OrbitDerivatives>,
     /// The mode of the last step.
     mode: Option<Modes>,
     wanted: Wanted,
@@ -203,38 +208,42 @@ pub(super) struct Recording {
 }
 
 impl Recording {
-    /// Records a run, and returns how it ended; it goes on from the end of another run, if one is
-    /// given. A stiff system is told while it runs.
+    /// Records a run, and returns how it ended. It goes on from the end of another run, or has
+    /// derivatives, if these are given. A stiff system is told while it runs.
     pub(super) fn of(
         system: &System,
         start: (f64, &[f64]),
         t_end: f64,
         options: &Options,
         wanted: Wanted,
-        from: Option<&RunMemory>,
+        (from, by): (Option<&RunMemory>, Option<&VariedSystem<'_>>),
         mut quantities: Quantities<'_>,
     ) -> (Self, Result<Summary, Error>) {
         let (t, x) = (start.0, Vector::from_column_slice(start.1));
         let begin = Moment { t, x };
         let mut recording = Recording::new(system, &begin, t_end, options, wanted, &quantities);
         let mut friction = FrictionWatch::new(system);
-        let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
-            recording.watch((&mut friction, &mut quantities), progress, orbit)
-        };
         let (dynamics, sections) = (system.dynamics(), system.sections());
         let begun = match from {
             None => dynamics.begin(&begin, t_end, options, &sections),
             Some(memory) => dynamics.resume(memory, t_end, options, &sections),
         };
-        let mut memory = None;
+        let mut tangents = None;
         let ended = begun.and_then(|mut orbit| {
             orbit.remember();
+            if let Some(by) = by {
+                tangents = Some(by.tangents((&*orbit, &begin), &sections, options)?);
+            }
+            let mut watcher = |progress, orbit: &mut dyn OrbitUnderWay| {
+                let watches = (&mut friction, &mut quantities);
+                recording.watch(watches, tangents.as_mut(), progress, orbit)
+            };
             let ended = follow_on(&mut *orbit, &mut watcher);
-            memory = orbit.memory();
+            recording.memory = orbit.memory();
             ended
         });
-        recording.memory = memory;
         recording.finish(system, (friction, quantities), &ended);
+        recording.derivatives = tangents.map(|of| of.finish(&recording.orbit, &ended));
         if from.is_none() {
             recording
                 .doubtful
@@ -260,7 +269,7 @@ impl Recording {
         let mut watches: Vec<(FrictionWatch<'_>, Quantities<'_>)> = watches.collect();
         let watcher = &mut |number: usize, progress, orbit: &mut dyn OrbitUnderWay| {
             let (friction, quantities) = &mut watches[number];
-            recordings[number].watch((friction, quantities), progress, orbit)
+            recordings[number].watch((friction, quantities), None, progress, orbit)
         };
         let (dynamics, sections) = (system.dynamics(), system.sections());
         let watching = Watching {
@@ -302,6 +311,7 @@ impl Recording {
                 .figures
                 .then(|| Pictures::new(system, begin, quantities.names().len())),
             memory: None,
+            derivatives: None,
             mode: None,
             wanted,
             t_end,
@@ -316,6 +326,7 @@ impl Recording {
     fn watch(
         &mut self,
         (friction, quantities): (&mut FrictionWatch<'_>, &mut Quantities<'_>),
+        tangents: Option<&mut VariedTangents<'_>>,
         progress: OrbitProgress,
         orbit: &mut dyn OrbitUnderWay,
     ) -> ControlFlow<()> {
@@ -326,8 +337,16 @@ impl Recording {
             OrbitProgress::Step => {
                 self.step(orbit, quantities);
                 friction.step(orbit);
+                if let Some(tangents) = tangents {
+                    tangents.step(&self.orbit, orbit);
+                }
             }
-            progress => self.orbit.take(progress, orbit),
+            progress => {
+                if let Some(tangents) = tangents {
+                    tangents.event(&progress);
+                }
+                self.orbit.take(progress, orbit);
+            }
         }
         ControlFlow::Continue(())
     }

@@ -140,8 +140,10 @@ fn followed(
     };
     let quantities = system.quantities(&observed(arguments)?)?;
     let (from, start) = (from.as_ref(), (*t, &x[..]));
+    let varied = by.as_ref().map(|by| by.of(system)).transpose()?;
+    let with = (from, varied.as_ref());
     let (mut recording, outcome) =
-        Recording::of(system, start, t_end, options, wanted, from, quantities);
+        Recording::of(system, start, t_end, options, wanted, with, quantities);
     let failure = match &outcome {
         // If the run ends at its start, where the future is not unique, there is nothing to draw.
         Ok(ended) if ended.t == *t => {
@@ -156,8 +158,8 @@ fn followed(
     let lists = arguments.run.output.json;
     let mut report = report(system, &recording, outcome.ok().as_ref(), lists);
     trajectory::put(system, &recording, &mut report)?;
-    if let Some(variables) = &by {
-        derivatives::put(prepared, t_end, variables, &recording, &mut report)?;
+    if let Some((variables, found)) = by.as_ref().zip(recording.derivatives.as_ref()) {
+        derivatives::put(system, (variables, found), &recording, &mut report)?;
     }
     if let Some(memory) = recording.memory.take() {
         report.table(End::of(system, options, memory).artifact()?);

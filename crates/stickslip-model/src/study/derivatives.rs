@@ -1,9 +1,12 @@
 //! Derivatives of an orbit by names of parameters and states.
 
 use stickslip::analysis::{
-    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives_of,
+    Differentiated, EventDerivatives, OrbitDerivatives, OrbitTangents, Variable,
+    orbit_derivatives_of,
 };
-use stickslip::dynamics::{DynamicsRef, Matrix, Moment, Section, Vector};
+use stickslip::dynamics::{
+    DynamicsRef, Matrix, Moment, OrbitProgress, OrbitUnderWay, RecordedOrbit, Section, Vector,
+};
 use stickslip::{Error, Options};
 
 use crate::file::{MOST_FREE, Meaning, SettingError, System, did_you_mean};
@@ -131,74 +134,196 @@ impl Variables {
         (times, sections): (&[f64], &[Section]),
         options: &Options,
     ) -> Result<OrbitDerivatives, DerivativeError> {
-        let extended = match self.parameters[..] {
-            [] => DynamicsRef::Borrowed(&**system.dynamics()),
-            _ => system.with_states_of(&self.parameters)?,
-        };
-        let values = self.parameters.iter().map(|&number| system.values[number]);
-        let values: Vec<f64> = values.collect();
-        let with = (&*extended, &values[..]);
-        let of = Differentiated::with_parameters(&**system.dynamics(), with, &self.by);
+        let varied = self.of(system)?;
         let x = Vector::from_column_slice(x);
         let start = Moment { t, x };
-        let mut found = orbit_derivatives_of(of, start, t_end, times, sections, options)?;
-        let states = |of: &mut Matrix| *of = of.rows(0, system.states()).into_owned();
-        found.states.iter_mut().for_each(states);
-        let passages = found.passages.iter_mut().map(|(_, event)| event);
-        for event in found.transitions.iter_mut().chain(passages) {
-            states(&mut event.before);
-            states(&mut event.after);
-            let point = |of: &mut Vector| *of = of.rows(0, system.states()).into_owned();
-            event.points.iter_mut().for_each(point);
-        }
-        Ok(found)
+        let found = varied.forms.iter().map(|form| {
+            let of = form.of(system);
+            let found = orbit_derivatives_of(of, start.clone(), t_end, times, sections, options)?;
+            Ok((found, &form.columns[..]))
+        });
+        let found = found.collect::<Result<Vec<_>, DerivativeError>>()?;
+        Ok(joined(found))
     }
 
-    /// Fits derivatives to the transitions of the run itself, at these times. The run with
-    /// parameters as states takes the same steps, but its rounding may decide otherwise; then
-    /// nothing is known from there on.
-    pub fn fit(
-        &self,
-        system: &System,
-        found: &mut OrbitDerivatives,
-        times: impl ExactSizeIterator<Item = f64>,
-    ) {
-        // Chosen far above the error of a located event, and far below the time between two.
-        const SAME_TIME: f64 = 1e-7;
-        let count = times.len();
-        let none = Matrix::repeat(system.states(), self.names.len(), f64::NAN);
-        for (k, t) in times.enumerate() {
-            let is_same =
-                |own: &EventDerivatives| (own.at - t).abs() <= SAME_TIME * t.abs().max(1.0);
-            if found.transitions.get(k).is_some_and(is_same) {
-                continue;
-            }
-            // Where several contacts change at one instant, each has a row.
-            let last = k
-                .checked_sub(1)
-                .and_then(|last| found.transitions.get(last));
-            if let Some(same) = last.filter(|last| is_same(last)).cloned() {
-                let before = same.after.clone();
-                found
-                    .transitions
-                    .insert(k, EventDerivatives { before, ..same });
-                continue;
-            }
-            let nothing = EventDerivatives {
-                at: t,
-                t: vec![f64::NAN; self.names.len()],
-                points: [(); 2].map(|()| Vector::repeat(system.states(), f64::NAN)),
-                before: none.clone(),
-                after: none.clone(),
+    /// A system with these variables, for derivatives beside its orbits.
+    ///
+    /// # Errors
+    /// [`SettingError`] where the system cannot have these parameters as states.
+    pub fn of<'s>(&self, system: &'s System) -> Result<VariedSystem<'s>, SettingError> {
+        let room = match COMMON_ROOM.saturating_sub(system.states()) {
+            0 => MOST_FREE,
+            room => room,
+        };
+        let mut groups = self.parameters.chunks(room);
+        let mut forms = Vec::new();
+        let mut first = 0;
+        loop {
+            let group = groups.next().unwrap_or_default();
+            let mut form = Form {
+                extended: match group {
+                    [] => DynamicsRef::Borrowed(&**system.dynamics()),
+                    _ => system.with_states_of(group)?,
+                },
+                parameters: group.iter().map(|&number| system.values[number]).collect(),
+                by: Vec::new(),
+                columns: Vec::new(),
             };
-            found.transitions.truncate(k);
-            found.transitions.resize(count, nothing);
-            let what = "the same transition in the run with derivatives";
-            found
-                .lost
-                .get_or_insert(Error::NotFound { what, t, span: 0.0 });
-            return;
+            for (column, by) in self.by.iter().enumerate() {
+                let by = match *by {
+                    Variable::Start(state) if state >= system.states() => {
+                        let number = state - system.states();
+                        let own = (first..first + group.len()).contains(&number);
+                        own.then(|| Variable::Start(state - first))
+                    }
+                    other => forms.is_empty().then_some(other),
+                };
+                form.columns.extend(by.map(|_| column));
+                form.by.extend(by);
+            }
+            forms.push(form);
+            first += group.len();
+            if first == self.parameters.len() {
+                return Ok(VariedSystem { system, forms });
+            }
         }
-        found.transitions.truncate(count);
+    }
+}
+
+/// Most states, with parameters among them, for which the solver is compiled in a size that fits.
+/// More parameters are states of several forms of a system.
+const COMMON_ROOM: usize = 8;
+
+/// A system, and forms of it with the variables of its derivatives as states.
+pub struct VariedSystem<'s> {
+    system: &'s System,
+    forms: Vec<Form<'s>>,
+}
+
+/// A form of a system with some parameters as states.
+struct Form<'s> {
+    extended: DynamicsRef<'s>,
+    parameters: Vec<f64>,
+    by: Vec<Variable>,
+    /// Places of these variables among all.
+    columns: Vec<usize>,
+}
+
+impl Form<'_> {
+    fn of<'a>(&'a self, system: &'a System) -> Differentiated<'a> {
+        let with = (&*self.extended, &self.parameters[..]);
+        Differentiated::with_parameters(&**system.dynamics(), with, &self.by)
+    }
+}
+
+impl VariedSystem<'_> {
+    /// Tangent vectors beside an orbit of the system, which watches these sections and has taken no
+    /// step.
+    ///
+    /// # Errors
+    /// As [`OrbitTangents::new`].
+    pub fn tangents<'a>(
+        &'a self,
+        at_start: (&dyn OrbitUnderWay, &Moment),
+        sections: &'a [Section],
+        options: &Options,
+    ) -> Result<VariedTangents<'a>, Error> {
+        let parts = self.forms.iter().map(|form| {
+            let of = form.of(self.system);
+            let tangents = OrbitTangents::new(of, at_start, sections, options)?;
+            Ok((tangents, &form.columns[..]))
+        });
+        let parts = parts.collect::<Result<_, Error>>()?;
+        Ok(VariedTangents { parts })
+    }
+}
+
+/// Tangent vectors for all variables beside one orbit: [`OrbitTangents`] of each form.
+pub struct VariedTangents<'a> {
+    parts: Vec<(OrbitTangents<'a>, &'a [usize])>,
+}
+
+impl VariedTangents<'_> {
+    /// As [`OrbitTangents::step`], at the points of a record that have no derivatives yet.
+    pub fn step(&mut self, record: &RecordedOrbit, orbit: &mut dyn OrbitUnderWay) {
+        let step = orbit.last_step();
+        for (tangents, _) in &mut self.parts {
+            let points = record.points.from(tangents.recorded());
+            let times: Vec<f64> = points.map(|(t, _)| t).collect();
+            tangents.step(&step, &times, orbit);
+        }
+    }
+
+    /// As [`OrbitTangents::event`].
+    pub fn event(&mut self, progress: &OrbitProgress) {
+        for (tangents, _) in &mut self.parts {
+            tangents.event(progress);
+        }
+    }
+
+    /// As [`OrbitTangents::finish`].
+    pub fn finish<T>(self, record: &RecordedOrbit, ended: &Result<T, Error>) -> OrbitDerivatives {
+        let parts = self.parts.into_iter();
+        joined(
+            parts
+                .map(|(tangents, columns)| (tangents.finish(record, ended), columns))
+                .collect(),
+        )
+    }
+}
+
+/// Derivatives along one orbit by all variables, from those by the variables at some places. What
+/// one part has lost is lost.
+fn joined(mut parts: Vec<(OrbitDerivatives, &[usize])>) -> OrbitDerivatives {
+    if let [_] = parts[..]
+        && let Some((found, _)) = parts.pop()
+    {
+        return found;
+    }
+    let count = parts.iter().map(|(_, columns)| columns.len()).sum();
+    let matrix = |of: &dyn Fn(&OrbitDerivatives) -> Matrix| {
+        let each = parts.iter().map(|(found, columns)| (of(found), columns));
+        let each: Vec<(Matrix, &&[usize])> = each.collect();
+        let rows = each.first().map_or(0, |(part, _)| part.nrows());
+        let mut all = Matrix::zeros(rows, count);
+        for (part, columns) in &each {
+            if !part.is_empty() && part.iter().all(|slope| slope.is_nan()) {
+                return Matrix::repeat(rows, count, f64::NAN);
+            }
+            for (k, &column) in columns.iter().enumerate() {
+                all.set_column(column, &part.column(k));
+            }
+        }
+        all
+    };
+    let event = |own: &EventDerivatives, of: &dyn Fn(&OrbitDerivatives) -> &EventDerivatives| {
+        let times = matrix(&|found| Matrix::from_row_slice(1, of(found).t.len(), &of(found).t));
+        EventDerivatives {
+            at: own.at,
+            points: own.points.clone(),
+            t: times.iter().copied().collect(),
+            before: matrix(&|found| of(found).before.clone()),
+            after: matrix(&|found| of(found).after.clone()),
+        }
+    };
+    let Some((first, _)) = parts.first() else {
+        return OrbitDerivatives::default();
+    };
+    let states = (0..first.states.len()).map(|k| matrix(&|found| found.states[k].clone()));
+    let transitions = first.transitions.iter().enumerate();
+    let transitions = transitions.map(|(k, own)| event(own, &|found| &found.transitions[k]));
+    let passages = first.passages.iter().enumerate();
+    let passages = passages.map(|(k, (number, own))| {
+        let of = event(own, &|found| &found.passages[k].1);
+        (*number, of)
+    });
+    let mut lost = parts.iter().filter_map(|(found, _)| found.lost.as_ref());
+    OrbitDerivatives {
+        states: states.collect(),
+        transitions: transitions.collect(),
+        passages: passages.collect(),
+        points: first.points.clone(),
+        phases: first.phases.clone(),
+        lost: lost.next().cloned(),
     }
 }

@@ -26,7 +26,9 @@ use stickslip::analysis::RecurrenceSettings;
 pub use at_start::{jumps_at_start, left_out_at_start};
 pub use branch::{Along, BranchOrbit, SideBranch, WholeBranch};
 pub use branch_rows::{BranchEnd, SpecialRow, criticality_of, word_of_curve_stop};
-pub use derivatives::{DerivativeError, NoVariable, START_TIME, Variables};
+pub use derivatives::{
+    DerivativeError, NoVariable, START_TIME, Variables, VariedSystem, VariedTangents,
+};
 pub use diagram::{AtValue, Diagram, Locates};
 pub use equilibria::{EquilibriaOfBranch, boundary_of, equilibrium, frequency_of};
 pub use extremes::extremes;

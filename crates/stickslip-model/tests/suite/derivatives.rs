@@ -1,8 +1,12 @@
 //! Derivatives of orbits through events, against closed forms and differences of runs.
 
+use std::ops::ControlFlow;
+
 use stickslip::analysis::OrbitDerivatives;
-use stickslip::{Error, math};
+use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, RecordedOrbit, Sampling};
+use stickslip::{Error, Options, math};
 use stickslip_model::file::System;
+use stickslip_model::kernel::follow_on;
 use stickslip_model::study::Variables;
 
 use super::recorded::open;
@@ -84,15 +88,40 @@ pub fn found(system: &System, names: &[&str], times: &[f64], method: &str) -> Or
     let of = ((t, &x[..]), t_end);
     let found = variables.along(system, of, (times, &[]), &options(method));
     let mut found = found.unwrap();
-    // Where several contacts change at one instant, a run reports each.
-    let run = Run::from(
-        system.with_values(&[]).unwrap(),
-        &options(method),
-        ((t, x.clone()), t_end),
-    );
-    let times: Vec<f64> = transitions(&run);
-    variables.fit(system, &mut found, times.into_iter());
+    // Beside a run, a change of several contacts at one instant has a row for each.
+    let beside = beside(system, &variables, t_end, &options(method));
+    assert_eq!(beside.lost.is_some(), found.lost.is_some());
+    found.transitions = beside.transitions;
     found
+}
+
+/// Derivatives of a run from the start of the file, carried beside it.
+fn beside(
+    system: &System,
+    variables: &Variables,
+    t_end: f64,
+    options: &Options,
+) -> OrbitDerivatives {
+    let varied = variables.of(system).unwrap();
+    let (t, x) = (system.built.t_start, system.start().unwrap().into());
+    let start = Moment { t, x };
+    let mut run = system
+        .dynamics()
+        .begin(&start, t_end, options, &[])
+        .unwrap();
+    let mut tangents = varied.tangents((&*run, &start), &[], options).unwrap();
+    let mut orbit = RecordedOrbit::new(&start, Sampling::Nowhere, false);
+    let mut watcher = |progress, run: &mut dyn OrbitUnderWay| {
+        let is_step = matches!(progress, OrbitProgress::Step);
+        tangents.event(&progress);
+        orbit.take(progress, run);
+        if is_step {
+            tangents.step(&orbit, run);
+        }
+        ControlFlow::Continue(())
+    };
+    let ended = follow_on(&mut *run, &mut watcher);
+    tangents.finish(&orbit, &ended)
 }
 
 /// Times of transitions, without the kinks of inputs.

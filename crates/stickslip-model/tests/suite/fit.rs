@@ -1,7 +1,9 @@
 //! Parameters fitted to records of exact runs.
 
 use numerics::SplitMix;
+use stickslip::Options;
 use stickslip::analysis::{LeastSquaresEnd, Loss};
+use stickslip::dynamics::{Matrix, Vector};
 use stickslip::math;
 use stickslip_model::file::SystemFile;
 use stickslip_model::study::fit::{Fit, FitError, FitRequest, Observable, Record, Unknown, fit};
@@ -31,7 +33,7 @@ x = 0.2
 v = 0.9
 "#;
 
-fn observable(formula: &str, sigma: Option<f64>) -> Observable {
+pub fn observable(formula: &str, sigma: Option<f64>) -> Observable {
     Observable {
         name: formula.to_owned(),
         formula: formula.to_owned(),
@@ -39,7 +41,7 @@ fn observable(formula: &str, sigma: Option<f64>) -> Observable {
     }
 }
 
-fn unknown(name: &str, start: Option<f64>) -> Unknown {
+pub fn unknown(name: &str, start: Option<f64>) -> Unknown {
     Unknown {
         name: name.to_owned(),
         start,
@@ -48,7 +50,11 @@ fn unknown(name: &str, start: Option<f64>) -> Unknown {
     }
 }
 
-fn request(file: SystemFile, unknowns: Vec<Unknown>, observables: Vec<Observable>) -> FitRequest {
+pub fn request(
+    file: SystemFile,
+    unknowns: Vec<Unknown>,
+    observables: Vec<Observable>,
+) -> FitRequest {
     FitRequest {
         file,
         set: Vec::new(),
@@ -83,7 +89,7 @@ fn exact(file: &SystemFile, formulas: &[&str], times: &[f64]) -> Vec<Vec<f64>> {
     columns.take(formulas.len()).collect()
 }
 
-fn record(times: &[f64], columns: Vec<Vec<f64>>) -> Record {
+pub fn record(times: &[f64], columns: Vec<Vec<f64>>) -> Record {
     Record {
         name: "record".to_owned(),
         times: times.to_vec(),
@@ -94,7 +100,7 @@ fn record(times: &[f64], columns: Vec<Vec<f64>>) -> Record {
     }
 }
 
-fn times(count: u32, step: f64) -> Vec<f64> {
+pub fn times(count: u32, step: f64) -> Vec<f64> {
     (1..=count).map(|k| step * f64::from(k)).collect()
 }
 
@@ -766,6 +772,124 @@ fn parts_have_a_value_each_and_pass_over_outliers() {
         robust < 0.03 && robust < 0.2 * squares,
         "{robust} {squares}"
     );
+}
+
+/// A block on a belt. Starts and the start time are formulas of a parameter, and so is the period
+/// of the drive.
+const DRIVEN: &str = r#"
+name = "case"
+[time]
+start = "0.1*mu"
+[states]
+x = ""
+v = ""
+[parameters]
+mu = 0.5
+more = 0.2
+speed = 0.3
+T = 3.1
+[inputs.push]
+shape = "triangle"
+period = "T"
+[contacts.belt]
+boundary = "v - speed"
+friction = "mu/(1 + belt*(v - speed))"
+static = "mu + more"
+[field]
+x = "v"
+v = "-x + 0.9*push - friction(belt)"
+[start]
+x = "0.4*mu"
+v = 0.9
+"#;
+
+/// Two records of [`DRIVEN`] with an offset and a gain, at the values with which a fit of these
+/// unknowns begins.
+fn two_records(names: &[&str]) -> FitRequest {
+    // Many before the first stick, which forgets the start.
+    let early = (0..14).map(|k| 0.31 + 0.03 * f64::from(k));
+    let all = early.chain((0..26).map(|k| 0.8 + 0.41 * f64::from(k)));
+    let times: Vec<f64> = all.collect();
+    let late = |t: &f64| if *t > 0.6 { 0.2 } else { f64::NAN };
+    let columns = vec![vec![0.1; 40], times.iter().map(late).collect()];
+    let unknowns = names.iter().map(|name| {
+        // Starts that are fitted do not move with the parameter of their formulas.
+        let start = match *name {
+            "x" => Some(0.2),
+            "t0" => Some(0.15),
+            _ => None,
+        };
+        Unknown {
+            each: *name == "off",
+            ..unknown(name, start)
+        }
+    });
+    let observables = vec![
+        observable("gain*x + off*speed", Some(1e-6)),
+        observable("x*x + push + sin(v)", Some(2e-5)),
+    ];
+    let mut request = request(parsed(DRIVEN), unknowns.collect(), observables);
+    request.options = Options::tol(1e-12);
+    request.extra = vec![("gain".to_owned(), 1.2), ("off".to_owned(), 0.1)];
+    let one = record(&times, columns);
+    let other = Record {
+        t_start: Some(0.2),
+        set: vec![("more".to_owned(), 0.3)],
+        ..one.clone()
+    };
+    request.records = vec![one, other];
+    request.most_evaluations = 1;
+    request
+}
+
+#[test]
+fn covariances_where_a_fit_begins_are_those_of_differences_of_runs() {
+    const STEP: f64 = 1e-5;
+    let names: [&[&str]; 2] = [
+        &["mu", "speed", "T", "gain", "off"],
+        // A velocity as well would leave a start that moves along its orbit.
+        &["mu", "x", "t0", "gain"],
+    ];
+    for names in names {
+        let at_start = two_records(names);
+        let begun = fit(&at_start).unwrap();
+        // Residuals over deviations, for each record.
+        let residuals = |found: &Fit, number: usize| {
+            let own = found.columns.iter().filter(|one| one.record == number);
+            let all = own.flat_map(|one| one.residuals.iter().map(|r| r / one.sigma));
+            Vector::from_vec(all.filter(|r| !r.is_nan()).collect())
+        };
+        let rows = [0, 1].map(|number| residuals(&begun, number).len());
+        let count = begun.values.len();
+        let mut slopes = Matrix::zeros(rows[0] + rows[1], count);
+        for (k, one) in begun.values.iter().enumerate() {
+            assert_eq!(one.value, one.start);
+            let (name, of_record) = match one.name.split_once('@') {
+                Some((name, number)) => (name, Some(number.parse::<usize>().unwrap() - 1)),
+                None => (&*one.name, None),
+            };
+            let runs = [2.0, 1.0, -1.0, -2.0].map(|by| {
+                let mut beside = at_start.clone();
+                let mut unknowns = beside.unknowns.iter_mut();
+                let changed = unknowns.find(|known| known.name == name).unwrap();
+                changed.start = Some(one.start + by * STEP);
+                fit(&beside).unwrap()
+            });
+            for number in 0..2 {
+                let at = runs.each_ref().map(|run| residuals(run, number));
+                let difference = ((&at[1] - &at[2]) * 8.0 - (&at[0] - &at[3])) / (12.0 * STEP);
+                if of_record.is_none_or(|of| of == number) {
+                    let mut column = slopes.column_mut(k);
+                    column
+                        .rows_mut(number * rows[0], rows[number])
+                        .copy_from(&difference);
+                }
+            }
+        }
+        let one = &begun.uncertainty.covariance * slopes.transpose() * slopes;
+        let off = (one - Matrix::identity(count, count)).amax();
+        assert!(off < 1e-4, "{names:?}: {off}");
+    }
 }
 
 #[test]

@@ -1,7 +1,9 @@
 //! Derivatives of periodic orbits, against closed forms and differences of orbits.
 
-use stickslip::analysis::{PeriodicOrbit, periodic_orbit, periodic_orbit_forced};
+use stickslip::analysis::{PeriodicOrbit, multipliers, periodic_orbit, periodic_orbit_forced};
 use stickslip::dynamics::Moment;
+use stickslip::math::ln;
+use stickslip::nalgebra::Complex;
 use stickslip::scalar::Dual;
 use stickslip::{Error, Mode, Options, Scalar, Side};
 use stickslip_model::file::System;
@@ -256,6 +258,71 @@ fn derivatives_of_an_orbit_with_impacts_are_differences() {
         let found = slopes(&system, &["wall"], &orbit, &options);
         // The largest displacement is that of the wall.
         close(found.orbit.extremes[0][1].by[0], 1.0, 1e-12, "wall");
+    }
+}
+
+#[test]
+fn multipliers_of_an_orbit_with_impacts_have_the_derivatives_of_their_product() {
+    // Damping and n impacts shrink areas over a period T by exp(-c T) e^(2n).
+    let system = system(
+        "name = \"impacts\"\n[time]\nperiod = \"2*pi/O\"\n[states]\nx = \"\"\nv = \"\"\n\
+         [parameters]\nwall = 0.6\nc = 0.3\ne = 0.6\nO = 1.9\n[jumps.stop]\nwhen = \"x - wall\"\n\
+         direction = \"rising\"\nset = { v = \"-e*v\" }\n[field]\nx = \"v\"\n\
+         v = \"-2*x - c*v + 2*cos(O*t)\"\n[start]\nx = 0\nv = 0.3\n",
+    );
+    for options in methods() {
+        let orbit = orbit(&system, &options);
+        let own = multipliers(&orbit.monodromy);
+        let product = own
+            .iter()
+            .fold(Complex::new(1.0, 0.0), |all, one| all * one);
+        let impacts = (ln(product.norm()) + 0.3 * orbit.period) / (2.0 * ln(0.6));
+        close(impacts, impacts.round().max(1.0), 1e-9, "impacts");
+        let found = slopes(&system, &["wall", "c", "e", "O"], &orbit, &options);
+        let wanted = [
+            0.0,
+            -orbit.period,
+            2.0 * impacts / 0.6,
+            0.3 * orbit.period / 1.9,
+        ];
+        for (k, wanted) in wanted.into_iter().enumerate() {
+            let of_logarithm = |(slope, own): (&Complex<f64>, &Complex<f64>)| slope / own;
+            let parts = found.multipliers[k].iter().zip(&own).map(of_logarithm);
+            let sum: Complex<f64> = parts.sum();
+            close(sum.re, wanted, 1e-6, &found.names[k]);
+            assert!(sum.im.abs() < 1e-6, "{}: {sum}", found.names[k]);
+        }
+    }
+}
+
+#[test]
+fn multipliers_of_a_driven_belt_move_with_its_frequency_as_orbits_found_alone_do() {
+    // Another step than that of the derivatives, and orbits that are sought from the start of the
+    // file.
+    const STEP: f64 = 3e-4;
+    let system = open("forced");
+    let number = system.file.parameter("omega").unwrap();
+    let frequency = system.values[number];
+    for options in methods() {
+        let orbit = orbit(&system, &options);
+        let found = slopes(&system, &["omega"], &orbit, &options);
+        assert_eq!(found.missing, [None]);
+        let runs = [2.0, 1.0, -1.0, -2.0].map(|by| {
+            let value = frequency + by * STEP;
+            let other = system.with_values(&[("omega", value)]).unwrap();
+            multipliers(&self::orbit(&other, &options).monodromy)
+        });
+        let own = multipliers(&orbit.monodromy);
+        assert!(own.iter().any(|one| one.norm() > 1e-3), "{own:?}");
+        for (k, slope) in found.multipliers[0].iter().enumerate() {
+            let [one, two, three, four] = runs.each_ref().map(|run| run[k]);
+            let difference = ((two - three) * 8.0 - (one - four)) / (12.0 * STEP);
+            let off = (slope - difference).norm();
+            assert!(
+                off < 1e-5 * difference.norm().max(1.0),
+                "{slope} and {difference}"
+            );
+        }
     }
 }
 

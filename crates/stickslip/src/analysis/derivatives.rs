@@ -8,7 +8,7 @@ use super::simultaneous::check_kinks;
 use super::tangent::{Tangent, flatten, singular};
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay, Passage,
-    Section, Step, Transition, Vector,
+    RecordedOrbit, Section, Step, Transition, Vector,
 };
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
@@ -39,7 +39,7 @@ pub struct EventDerivatives {
 
 /// Derivatives along an orbit, as [`orbit_derivatives`] computes them. Rows are states and columns
 /// variables. From [`OrbitDerivatives::lost`] on all are NaN.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct OrbitDerivatives {
     /// Derivatives of the state at each requested time.
     pub states: Vec<Matrix>,
@@ -153,31 +153,28 @@ impl<'a> Differentiated<'a> {
     }
 
     /// The state with the parameters.
-    fn extend(&self, x: Vector) -> Vector {
-        match self.parameters {
-            [] => x,
-            parameters => Vector::from_iterator(
-                x.len() + parameters.len(),
-                x.iter().chain(parameters).copied(),
-            ),
-        }
+    fn extend(&self, x: &Vector) -> Vector {
+        let all = x.iter().chain(self.parameters).copied();
+        Vector::from_iterator(x.len() + self.parameters.len(), all)
     }
 
-    fn extended_moment(&self, at: Moment) -> Moment {
-        let x = self.extend(at.x);
-        Moment { x, ..at }
+    fn extended_moment(&self, at: &Moment) -> Moment {
+        let x = self.extend(&at.x);
+        Moment { t: at.t, x }
     }
 
-    fn extended_step(&self, step: Step) -> Step {
+    fn extended_step(&self, step: &Step) -> Step {
         Step {
-            x_start: self.extend(step.x_start),
-            x_end: self.extend(step.x_end),
-            ..step
+            x_start: self.extend(&step.x_start),
+            x_end: self.extend(&step.x_end),
+            mode: step.mode,
+            ..*step
         }
     }
 }
 
-/// [`orbit_derivatives`] of a system of run-time size, from a start without the parameters.
+/// [`orbit_derivatives`] of a system of run-time size, from a start without the parameters. Rows
+/// are the states without them.
 ///
 /// # Errors
 /// As [`orbit_derivatives`].
@@ -189,122 +186,63 @@ pub fn orbit_derivatives_of(
     sections: &[Section],
     options: &Options,
 ) -> Result<OrbitDerivatives, Error> {
-    let (t0, system) = (start.t, of.extended);
     let mut orbit = of.system.begin(&start, t_end, options, sections)?;
-    let start = of.extended_moment(start);
-    let mut carried = OrbitTangents {
-        tangent: Tangent::new(system, options),
-        before: Vec::new(),
-        columns: columns_at_start(system, &*orbit, &start, of.by)?,
-        last: LastEvent::none(),
-        sections,
-        found: OrbitDerivatives {
-            states: Vec::with_capacity(times.len()),
-            points: Vec::with_capacity(times.len()),
-            phases: Vec::new(),
-            transitions: Vec::new(),
-            passages: Vec::new(),
-            lost: None,
-        },
-    };
-    let until = times.last().map_or(t_end, |last| last.max(t0));
-    let mut times = times.iter().copied().peekable();
-    while times.next_if(|t| *t <= t0).is_some() {
-        carried.state(start.x.clone());
-    }
-    let mut phase = (t0, t0, orbit.mode());
+    let mut tangents = OrbitTangents::new(of, (&*orbit, &start), sections, options)?;
+    let until = times.last().map_or(t_end, |last| last.max(start.t));
+    let at_start = times.partition_point(|t| *t <= start.t);
+    let (at_start, mut times) = times.split_at(at_start);
+    at_start.iter().for_each(|t| tangents.state(*t, &start.x));
+    let mut phase = (start.t, start.t, orbit.mode());
     let mut last = start;
     loop {
         match orbit.step() {
             Ok(OrbitProgress::Step) => {
-                let step = of.extended_step(orbit.last_step());
+                let step = orbit.last_step();
                 if step.t_start > until {
                     break;
                 }
-                while times.next_if(|t| *t <= step.t_start).is_some() {
-                    carried.state(step.x_start.clone());
-                }
                 (phase.1, phase.2) = (step.t_end.min(until), step.mode);
-                carried.before = std::mem::take(&mut carried.columns);
-                let turning = turning_guards(system, &step);
-                let mut graze = None;
-                if !turning.is_empty() || times.peek().is_some_and(|t| *t < step.t_end) {
-                    let (mut rest, solution) = (step.clone(), orbit.solution());
-                    let moment = |t: f64| Moment {
-                        t,
-                        x: of.extend(solution(t)),
-                    };
-                    graze = graze_in(&carried.tangent, &turning, &step, &moment);
-                    carried.columns.clone_from(&carried.before);
-                    while let Some(t) = times.next_if(|t| *t < step.t_end) {
-                        if let Some(at) = graze.take_if(|at| at.t <= t) {
-                            carried.lose(singular(at.t, &at.x));
-                        }
-                        let part = rest.cut(&moment(t));
-                        carried.columns = carried.tangent.carried(&part, &carried.columns);
-                        carried.state(part.x_end);
-                    }
-                }
-                // Requested times do not affect the derivatives after them.
-                carried.columns = carried.tangent.carried(&step, &carried.before);
-                if let Err(error) = check_kinks(system, &step, &carried.before) {
-                    carried.lose(error);
-                }
-                if let Some(at) = graze {
-                    carried.lose(singular(at.t, &at.x));
-                }
-                if times.next_if(|t| *t <= step.t_end).is_some() {
-                    carried.state(step.x_end.clone());
-                }
-                last = Moment {
-                    t: step.t_end,
-                    x: step.x_end,
-                };
+                // A second time at the end of the step is after a jump there.
+                let before = times.partition_point(|t| *t < step.t_end);
+                let at_end = times[before..].first().filter(|t| **t <= step.t_end);
+                let (now, later) = times.split_at(before + usize::from(at_end.is_some()));
+                times = later;
+                last = step.end();
+                tangents.step(&step, now, &mut *orbit);
             }
             Ok(OrbitProgress::Transition(at)) if at.t > until => break,
-            Ok(OrbitProgress::Transition(mut at)) => {
-                at.x = of.extend(at.x);
-                if let Err(error) = carried.transition(&at) {
-                    carried.lose(error);
-                }
-            }
             Ok(OrbitProgress::Passage(at)) if at.t > until => {}
-            Ok(OrbitProgress::Passage(mut at)) => {
-                at.x = of.extend(at.x);
-                let step = of.extended_step(orbit.last_step());
-                carried.passage(&step, &at);
-            }
             Ok(OrbitProgress::PhaseEnd(ended)) if ended.t_end <= until => {
-                carried
-                    .found
-                    .phases
-                    .push((ended.t_start, ended.t_end, ended.mode));
+                let whole = (ended.t_start, ended.t_end, ended.mode);
+                tangents.found.phases.push(whole);
                 phase = (ended.t_end, ended.t_end, phase.2);
             }
-            Ok(OrbitProgress::PhaseEnd(_) | OrbitProgress::Kink(_)) => {}
             Ok(OrbitProgress::End(ended)) => {
                 last = Moment {
                     t: ended.t,
-                    x: of.extend(ended.x),
+                    x: ended.x,
                 };
                 break;
             }
+            Ok(progress) => tangents.event(&progress),
             Err(error) => {
-                carried.lose(error);
+                tangents.lose(error);
                 break;
             }
         }
     }
     if phase.1 > phase.0 {
-        carried.found.phases.push(phase);
+        tangents.found.phases.push(phase);
     }
     // After the end, as where a jump stands there.
     for t in times {
-        let is_reached = t <= last.t;
         let beyond = || last.x.map(|_| f64::NAN);
-        carried.state(if is_reached { last.x.clone() } else { beyond() });
+        match *t <= last.t {
+            true => tangents.state(*t, &last.x),
+            false => tangents.state(*t, &beyond()),
+        }
     }
-    Ok(carried.found)
+    Ok(tangents.found)
 }
 
 /// The derivatives of the start state.
@@ -330,31 +268,182 @@ fn columns_at_start(
     by.iter().map(column).collect()
 }
 
-/// Tangent vectors beside an orbit, and what they have given so far.
-struct OrbitTangents<'a> {
+/// Tangent vectors beside an orbit under way, and the derivatives that they have given so far. The
+/// vectors are carried over each step after the orbit has taken it, so that the orbit has the bits
+/// of a run alone.
+///
+/// Each step goes to [`OrbitTangents::step`], and every other report to [`OrbitTangents::event`].
+pub struct OrbitTangents<'a> {
+    of: Differentiated<'a>,
     tangent: Tangent<'a>,
+    sections: &'a [Section],
+    /// The last step, with the parameters.
+    last_step: Option<Step>,
     /// Tangent vectors at the start of the last step; `columns` are the present ones.
     before: Vec<Vector>,
     columns: Vec<Vector>,
     last: LastEvent,
-    sections: &'a [Section],
+    /// Time and modes of the last transition.
+    last_change: Option<(f64, Modes, Modes)>,
+    /// Times of the recorded states.
+    times: Vec<f64>,
     found: OrbitDerivatives,
 }
 
-impl OrbitTangents<'_> {
-    /// Records a state and its present derivatives.
-    fn state(&mut self, point: Vector) {
-        let states = point.len();
-        self.found.points.push(point);
-        self.found.states.push(matrix(states, &self.columns));
+impl<'a> OrbitTangents<'a> {
+    /// Tangent vectors at the start of an orbit of the differentiated system, which has taken no
+    /// step and watches these sections.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] for a variable that is no state.
+    pub fn new(
+        of: Differentiated<'a>,
+        (orbit, start): (&dyn OrbitUnderWay, &Moment),
+        sections: &'a [Section],
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let start = of.extended_moment(start);
+        Ok(OrbitTangents {
+            of,
+            tangent: Tangent::new(of.extended, options),
+            sections,
+            last_step: None,
+            before: Vec::new(),
+            columns: columns_at_start(of.extended, orbit, &start, of.by)?,
+            last: LastEvent::none(),
+            last_change: None,
+            times: Vec::new(),
+            found: OrbitDerivatives::default(),
+        })
     }
 
-    /// Nothing is known from here on.
-    fn lose(&mut self, why: Error) {
+    /// Number of recorded states.
+    pub fn recorded(&self) -> usize {
+        self.times.len()
+    }
+
+    /// Records a state, without parameters, and its present derivatives.
+    fn state(&mut self, t: f64, point: &Vector) {
+        self.times.push(t);
+        self.found.points.push(point.clone());
+        self.found.states.push(self.matrix(&self.columns));
+    }
+
+    /// The vectors as columns, without the rows of parameters.
+    fn matrix(&self, columns: &[Vector]) -> Matrix {
+        let states = self.of.system.states();
+        Matrix::from_fn(states, columns.len(), |i, k| columns[k][i])
+    }
+
+    /// Loses the derivatives from here on: the orbit has none, or has failed.
+    pub fn lose(&mut self, why: Error) {
         for column in self.columns.iter_mut().chain(&mut self.before) {
             column.fill(f64::NAN);
         }
         self.found.lost.get_or_insert(why);
+    }
+
+    /// Carries the vectors over the last step of the orbit, and records derivatives at these times.
+    /// They rise from the start of the step to its end, and may repeat there.
+    pub fn step(&mut self, own: &Step, times: &[f64], orbit: &mut dyn OrbitUnderWay) {
+        let (of, tangent) = (self.of, self.tangent);
+        let (at_start, times) = times.split_at(times.partition_point(|t| *t <= own.t_start));
+        let (inside, at_end) = times.split_at(times.partition_point(|t| *t < own.t_end));
+        at_start.iter().for_each(|t| self.state(*t, &own.x_start));
+        let step = of.extended_step(own);
+        self.before = std::mem::take(&mut self.columns);
+        let turning = turning_guards(tangent.system, &step);
+        let mut graze = None;
+        if !turning.is_empty() || !inside.is_empty() {
+            let (mut rest, solution) = (step.clone(), orbit.solution());
+            let moment = |t: f64| Moment {
+                t,
+                x: of.extend(&solution(t)),
+            };
+            graze = graze_in(&tangent, &turning, &step, &moment);
+            self.columns.clone_from(&self.before);
+            for &t in inside {
+                if let Some(at) = graze.take_if(|at| at.t <= t) {
+                    self.lose(singular(at.t, &at.x));
+                }
+                let part = rest.cut(&moment(t));
+                self.columns = tangent.carried(&part, &self.columns);
+                self.state(t, &solution(t));
+            }
+        }
+        // Requested times do not affect the derivatives after them.
+        self.columns = tangent.carried(&step, &self.before);
+        if let Err(error) = check_kinks(tangent.system, &step, &self.before) {
+            self.lose(error);
+        }
+        if let Some(at) = graze {
+            self.lose(singular(at.t, &at.x));
+        }
+        at_end.iter().for_each(|t| self.state(*t, &own.x_end));
+        self.last_step = Some(step);
+    }
+
+    /// Takes another report than a step: transitions and passages have derivatives. A change of
+    /// modes that is reported once for each contact has them for each, but acts once.
+    pub fn event(&mut self, progress: &OrbitProgress) {
+        match progress {
+            OrbitProgress::Transition(at) => {
+                let change = (at.t, at.from, at.to);
+                let is_known = at.from != at.to && self.last_change == Some(change);
+                self.last_change = Some(change);
+                if let Some(last) = self.found.transitions.last().filter(|_| is_known).cloned() {
+                    let before = last.after.clone();
+                    self.found
+                        .transitions
+                        .push(EventDerivatives { before, ..last });
+                    return;
+                }
+                let mut at = at.clone();
+                at.x = self.of.extend(&at.x);
+                if let Err(error) = self.transition(&at) {
+                    self.lose(error);
+                }
+            }
+            OrbitProgress::Passage(at) => self.passage(at),
+            _ => {}
+        }
+    }
+
+    /// The derivatives at the points and events of a record of the same orbit, which ended so and
+    /// may have been cut.
+    pub fn finish<T>(
+        mut self,
+        orbit: &RecordedOrbit,
+        ended: &Result<T, Error>,
+    ) -> OrbitDerivatives {
+        if let Err(error) = ended {
+            self.lose(error.clone());
+        }
+        let count = orbit.points.len();
+        self.found.transitions.truncate(orbit.transitions().count());
+        self.found.passages.truncate(orbit.passages.len());
+        let Some((t, x)) = orbit.points.iter().next_back() else {
+            return self.found;
+        };
+        let known = self
+            .times
+            .get(count - 1)
+            .zip(self.found.points.get(count - 1));
+        let is_known = known.is_some_and(|(of, point)| *of == t && point.as_slice() == x);
+        self.found.states.truncate(count);
+        self.found.points.truncate(count);
+        if !is_known {
+            // The record ends after a jump there, or within the last step.
+            let at = self.of.extended_moment(&orbit.end);
+            let inside = self.last_step.take().filter(|step| at.t < step.t_end);
+            if let Some(step) = inside {
+                self.columns = self.inside(&step, &at);
+            }
+            self.found.states.truncate(count - 1);
+            self.found.points.truncate(count - 1);
+            self.state(t, &orbit.end.x);
+        }
+        self.found
     }
 
     /// The vectors at a moment in the last step.
@@ -393,14 +482,10 @@ impl OrbitTangents<'_> {
         let jump = match jump {
             Ok(jump) => jump,
             Err(why) => {
-                let none = before.map(|_| f64::NAN);
-                self.found.transitions.push(EventDerivatives {
-                    at: at.t,
-                    t: vec![f64::NAN; t.len()],
-                    points: [here.x.clone(), here.x],
-                    before: none.clone(),
-                    after: none,
-                });
+                let lost: Vec<Vector> = before.iter().map(|one| one.map(|_| f64::NAN)).collect();
+                let none = vec![f64::NAN; t.len()];
+                let of = self.of_event([&here.x; 2], none, [&lost; 2], at.t);
+                self.found.transitions.push(of);
                 return Err(why);
             }
         };
@@ -419,33 +504,42 @@ impl OrbitTangents<'_> {
         }
         let velocity = velocity_in(system, at.to, &after_jump);
         let after = moved(&self.columns, &velocity, &t);
-        self.found.transitions.push(EventDerivatives {
-            at: at.t,
-            t,
-            points: [here.x, after_jump.x],
-            before,
-            after,
-        });
+        let of = self.of_event([&here.x, &after_jump.x], t, [&before, &after], at.t);
+        self.found.transitions.push(of);
         Ok(())
     }
 
+    /// Derivatives at an event, without the rows of parameters.
+    fn of_event(
+        &self,
+        points: [&Vector; 2],
+        t: Vec<f64>,
+        [before, after]: [&[Vector]; 2],
+        at: f64,
+    ) -> EventDerivatives {
+        let states = self.of.system.states();
+        EventDerivatives {
+            at,
+            t,
+            points: points.map(|x| x.rows(0, states).into_owned()),
+            before: self.matrix(before),
+            after: self.matrix(after),
+        }
+    }
+
     /// Records the derivatives at a passage in the last step.
-    fn passage(&mut self, step: &Step, at: &Passage) {
+    fn passage(&mut self, at: &Passage) {
+        let Some(step) = &self.last_step else {
+            return;
+        };
         let system = self.tangent.system;
-        let here = at.moment();
+        let here = self.of.extended_moment(&at.moment());
         let columns = self.inside(step, &here);
         let velocity = velocity_in(system, step.mode, &here);
         let slopes = system.section_gradient(&self.sections[at.number], &here);
-        let (t, before) = of_zero(&columns, &velocity, (&slopes.0, slopes.1));
-        let after = before.clone();
-        let of_event = EventDerivatives {
-            at: at.t,
-            t,
-            points: [here.x.clone(), here.x],
-            before,
-            after,
-        };
-        self.found.passages.push((at.number, of_event));
+        let (t, there) = of_zero(&columns, &velocity, (&slopes.0, slopes.1));
+        let of = self.of_event([&here.x; 2], t, [&there; 2], at.t);
+        self.found.passages.push((at.number, of));
     }
 }
 
@@ -454,7 +548,7 @@ fn of_zero(
     columns: &[Vector],
     velocity: &Vector,
     (gradient, in_time): (&Vector, f64),
-) -> (Vec<f64>, Matrix) {
+) -> (Vec<f64>, Vec<Vector>) {
     let rate = in_time + gradient.dot(velocity);
     let of = |column: &Vector| -gradient.dot(column) / rate;
     let times: Vec<f64> = columns.iter().map(of).collect();
@@ -463,18 +557,9 @@ fn of_zero(
 }
 
 /// Vectors at a fixed time, moved to a time that has these derivatives.
-fn moved(columns: &[Vector], velocity: &Vector, times: &[f64]) -> Matrix {
+fn moved(columns: &[Vector], velocity: &Vector, times: &[f64]) -> Vec<Vector> {
     let columns = columns.iter().zip(times);
-    let columns: Vec<Vector> = columns
+    columns
         .map(|(column, dt)| column + velocity * *dt)
-        .collect();
-    matrix(velocity.len(), &columns)
-}
-
-/// The matrix of these columns, of which there may be none.
-fn matrix(rows: usize, columns: &[Vector]) -> Matrix {
-    match columns {
-        [] => Matrix::zeros(rows, 0),
-        columns => Matrix::from_columns(columns),
-    }
+        .collect()
 }

@@ -47,7 +47,7 @@ pub use continuation::{
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{
-    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives,
+    Differentiated, EventDerivatives, OrbitDerivatives, OrbitTangents, Variable, orbit_derivatives,
     orbit_derivatives_of,
 };
 pub use least_squares::{

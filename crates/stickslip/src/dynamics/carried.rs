@@ -17,9 +17,14 @@ pub(crate) const TANGENT_ERROR: f64 = 100.0;
 /// bounds the recursion where no step is accurate.
 const MAX_HALVINGS: u32 = 30;
 
-/// Most directions of a dual number. Chosen: few studies carry more vectors, and each further one
-/// takes time in all others.
-pub(super) const MOST_DIRECTIONS: usize = 4;
+/// Directions of the dual numbers for few vectors, for some and for many. They are chosen: all
+/// directions of a number take time, and each number takes the compiler time.
+const FEW: usize = 2;
+const SOME: usize = 4;
+const MANY: usize = 8;
+
+/// States of more components are long.
+const LONG: usize = 9;
 
 /// A tangent vector and the state at which it stands.
 #[derive(Clone, Copy)]
@@ -84,15 +89,21 @@ fn in_groups<M: RungeKutta, F: Flow<N>, const N: usize>(
 ) {
     let mut rest = vectors;
     while !rest.is_empty() {
-        let (now, later) = rest.split_at_mut(rest.len().min(MOST_DIRECTIONS));
+        // Numbers of many directions are too large for long states.
+        let most = if const { N > LONG } { SOME } else { MANY };
+        let (now, later) = rest.split_at_mut(rest.len().min(most));
         match now.len() {
-            ..=2 => {
-                let field = &mut |t, x: &[Duals<2>; N]| flow.field(Duals::constant(t), x);
-                advance::<M, N, 2>(field, pieces, piece, now, halvings);
+            ..=FEW => {
+                let field = &mut |t, x: &[Duals<_>; N]| flow.field(Duals::constant(t), x);
+                advance::<M, N, FEW>(field, pieces, piece, now, halvings);
+            }
+            count if const { N > LONG } || count <= SOME => {
+                let field = &mut |t, x: &[Duals<_>; N]| flow.field(Duals::constant(t), x);
+                advance::<M, N, SOME>(field, pieces, piece, now, halvings);
             }
             _ => {
                 let field = &mut |t, x: &[Duals<_>; N]| flow.field(Duals::constant(t), x);
-                advance::<M, N, MOST_DIRECTIONS>(field, pieces, piece, now, halvings);
+                advance::<M, N, MANY>(field, pieces, piece, now, halvings);
             }
         }
         rest = later;

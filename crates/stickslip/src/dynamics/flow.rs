@@ -2,7 +2,7 @@
 
 use std::cell::OnceCell;
 
-use super::carried::{CarriedOver, MOST_DIRECTIONS, TangentVector};
+use super::carried::{CarriedOver, TangentVector};
 use super::jumps::Jumps;
 use super::view::View;
 use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
@@ -104,16 +104,17 @@ where
     }
 
     fn divergence(&self, at: &Moment) -> f64 {
+        const AXES: usize = 4;
         let Timed { t, x } = self.view.timed(at);
         let states = self.view.states;
-        let axes = (0..states).step_by(MOST_DIRECTIONS);
+        let axes = (0..states).step_by(AXES);
         let diagonal = axes.flat_map(|first| {
-            let seeded: [Duals<MOST_DIRECTIONS>; N] = std::array::from_fn(|i| Duals {
+            let seeded: [Duals<AXES>; N] = std::array::from_fn(|i| Duals {
                 re: x[i],
                 eps: lanes(|l| f64::from(u8::from(i == first + l))),
             });
             let velocity = self.with_flow_of_field(Velocity(Duals::constant(t), &seeded));
-            let axes = first..states.min(first + MOST_DIRECTIONS);
+            let axes = first..states.min(first + AXES);
             axes.map(move |i| velocity[i].eps[i - first])
         });
         diagonal.sum()

@@ -1,11 +1,11 @@
 //! Events near times of the data: the residuals jump where one passes the other.
 
 use stickslip::analysis::{LeastSquares, LeastSquaresSettings, least_squares};
-use stickslip::dynamics::{Matrix, Vector};
+use stickslip::dynamics::Vector;
 use stickslip::error::readable;
-use stickslip::nalgebra::SVD;
 
 use super::Modelled;
+use super::directions::Directions;
 use super::problem::{FitProblem, Sequence};
 use super::record_run::ObservedJump;
 use super::uncertainty::JUMP;
@@ -22,9 +22,6 @@ const ERROR_OF_TIME: f64 = 1e3;
 /// further one has to lower the cost.
 const MOST_SIDES: usize = 8;
 const MOST_STEPS: usize = 24;
-
-/// Singular values of scaled derivatives below this part of the largest say nothing.
-const LEAST: f64 = 1e-9;
 
 /// A value of the data that the event beside it may pass.
 pub(super) struct Passable<'a> {
@@ -134,7 +131,8 @@ pub(super) fn beyond_events(
     work: &mut FitWork,
 ) -> LeastSquares<Sequence> {
     for _ in 0..MOST_SIDES {
-        let Some(wrong) = better_beyond(problem, &best.x) else {
+        let here = beyond(problem, &best.x, work);
+        let Some(wrong) = here.and_then(|at| better_beyond(problem, &at)) else {
             break;
         };
         let Some(settings) = work.settings_left(settings) else {
@@ -171,42 +169,46 @@ pub(super) fn beyond_events(
 
 /// The point of lowest cost on a way on which events step across values that are fitted better
 /// beyond them, the furthest first.
-fn stepped(problem: &FitProblem<'_>, x: Vector, work: &mut FitWork) -> Vector {
-    let (mut lowest, mut best) = (problem.cost(&x), x.clone());
-    let mut x = x;
-    for _ in 0..MOST_STEPS {
-        let Some(wrong) = better_beyond(problem, &x).filter(|_| work.left() > 0) else {
+fn stepped(problem: &FitProblem<'_>, mut x: Vector, work: &mut FitWork) -> Vector {
+    let (mut lowest, mut best) = (f64::INFINITY, x.clone());
+    for _ in 0..=MOST_STEPS {
+        let Some(at) = beyond(problem, &x, work) else {
             break;
         };
-        let furthest = wrong.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((_, _, step)) = furthest else {
+        let has_slopes = at.jacobian.iter().all(|slope| slope.is_finite());
+        let cost = problem.cost_of_data(&at.residuals);
+        if has_slopes && cost < lowest {
+            (lowest, best) = (cost, x.clone());
+        }
+        let wrong = better_beyond(problem, &at).into_iter().flatten();
+        let Some((_, _, step)) = wrong.max_by(|a, b| a.1.total_cmp(&b.1)) else {
             break;
         };
         x += step;
         for (x, (low, high)) in x.iter_mut().zip(problem.unknowns.bounds()) {
             *x = x.clamp(low, high);
         }
-        work.evaluations += 1;
-        let cost = problem.cost(&x);
-        if let Some(cost) = cost
-            && lowest.is_none_or(|lowest| cost < lowest)
-        {
-            (lowest, best) = (Some(cost), x.clone());
-        }
     }
     best
+}
+
+/// Everything at a point, with events until after the data: an evaluation. None where it fails, no
+/// evaluation is left, or no observable jumps.
+fn beyond(problem: &FitProblem<'_>, x: &Vector, work: &mut FitWork) -> Option<Modelled> {
+    if !problem.may_jump() || work.left() == 0 {
+        return None;
+    }
+    work.evaluations += 1;
+    problem.modelled_beyond(x).ok()
 }
 
 /// The residuals of values that are fitted better beyond an event. Each comes with the standard
 /// errors of the event's time to there, and with the likeliest step of the unknowns that takes it
 /// there. None where there are no such values.
-fn better_beyond(problem: &FitProblem<'_>, x: &Vector) -> Option<Vec<(usize, f64, Vector)>> {
-    if !problem.may_jump() {
-        return None;
-    }
-    let at = problem.modelled_beyond(x).ok()?;
-    let directions = directions(&at.jacobian)?;
-    let all = passable(problem, &at, &directions);
+fn better_beyond(problem: &FitProblem<'_>, at: &Modelled) -> Option<Vec<(usize, f64, Vector)>> {
+    let directions = Directions::of(&at.jacobian, problem.mismatches(), problem.tolerance());
+    let directions = directions.ok()?.determined;
+    let all = passable(problem, at, &directions);
     let wrong = all
         .into_iter()
         .filter(|one| one.gain > 0.0 && one.error > 0.0);
@@ -215,7 +217,7 @@ fn better_beyond(problem: &FitProblem<'_>, x: &Vector) -> Option<Vec<(usize, f64
         let way = one.t - one.jump.t;
         let past = ERROR_OF_TIME * problem.tolerance() * one.t.abs();
         let way = way + past.copysign(way);
-        let mut step = Vector::zeros(x.len());
+        let mut step = Vector::zeros(slopes.len());
         for direction in &directions {
             step += direction * (direction.dot(&slopes) * way / (one.error * one.error));
         }
@@ -223,29 +225,4 @@ fn better_beyond(problem: &FitProblem<'_>, x: &Vector) -> Option<Vec<(usize, f64
     });
     let steps: Vec<_> = steps.collect();
     (!steps.is_empty()).then_some(steps)
-}
-
-/// Changes of the unknowns by one standard deviation along each direction that the data determine.
-fn directions(jacobian: &Matrix) -> Option<Vec<Vector>> {
-    let norms = jacobian.column_iter().map(|column| column.norm());
-    let norms = norms.map(|norm| if norm > 0.0 { norm } else { 1.0 });
-    let scale = Vector::from_iterator(jacobian.ncols(), norms);
-    let mut scaled = jacobian.clone();
-    for (mut column, scale) in scaled.column_iter_mut().zip(&scale) {
-        column /= *scale;
-    }
-    if scaled.iter().any(|slope| !slope.is_finite()) {
-        return None;
-    }
-    let svd = SVD::new(scaled, false, true);
-    let (singular, right) = (svd.singular_values, svd.v_t?);
-    let least = LEAST * singular.amax();
-    let kept = singular
-        .iter()
-        .zip(right.row_iter())
-        .filter(|(s, _)| **s > least);
-    Some(
-        kept.map(|(s, row)| row.transpose().component_div(&scale) / *s)
-            .collect(),
-    )
 }

@@ -1,6 +1,7 @@
 //! Parameters, starts and offsets of a system fitted to measured motion.
 
 mod crossing;
+mod directions;
 mod errors;
 mod noise;
 mod parts;
@@ -26,7 +27,7 @@ use crossing::beyond_events;
 pub use errors::FitError;
 use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
-pub use statistics::{RunsTest, quantile, runs_test};
+pub use statistics::RunsTest;
 pub use uncertainty::FitUncertainty;
 use work::FitWork;
 
@@ -349,6 +350,3 @@ impl Modelled {
         self.phases.iter().map(modes).collect()
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -26,7 +26,7 @@ impl RunsTest {
 }
 
 /// The test of runs; none for too few residuals.
-pub fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
+pub(super) fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
     let signs = residuals.iter().filter(|r| **r != 0.0);
     let signs: Vec<bool> = signs.map(|r| *r > 0.0).collect();
     let above = signs.iter().filter(|sign| **sign).count();
@@ -52,7 +52,7 @@ pub fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
 
 /// The quantile 0.975 of Student's distribution (Abramowitz and Stegun 26.7.5; below 1e-3 from
 /// four degrees of freedom on), or of the normal one without degrees.
-pub fn quantile(freedom: Option<usize>) -> f64 {
+pub(super) fn quantile(freedom: Option<usize>) -> f64 {
     const Z: f64 = 1.959_963_984_540_054;
     // The expansion is of no use below.
     const SMALL: [f64; 3] = [12.706_204_7, 4.302_652_7, 3.182_446_3];

@@ -1,17 +1,13 @@
 //! Standard errors, correlations, and what the data do not determine.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss, null_space};
+use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss};
 use stickslip::dynamics::{Matrix, Vector};
-use stickslip::math::product;
-use stickslip::nalgebra::{QR, SVD};
 
 use super::Modelled;
 use super::crossing::passable;
+use super::directions::{Directions, ERROR_OF_DERIVATIVES};
 use super::problem::{FitProblem, Sequence};
 use super::statistics::quantile;
-
-/// Error of derivatives over the tolerance of a step: some hundred times that of states, times ten.
-const ERROR_OF_DERIVATIVES: f64 = 1e3;
 
 /// Halvings to a change of the sequence, and the part of the whole change that is left there where
 /// residuals are continuous: a square root has a thousandth.
@@ -72,13 +68,8 @@ impl FitUncertainty {
             own.none = Some("the run fails there".to_owned());
             return own;
         };
-        let rows = at.residuals.len();
         if problem.is_estimated() {
             own.quantile = quantile(Some(problem.freedom(&at.residuals)));
-        }
-        if at.jacobian.iter().any(|slope| !slope.is_finite()) {
-            own.none = Some("the run has no derivatives there".to_owned());
-            return own;
         }
         let bounds = problem.unknowns.bounds();
         let is_inside = |&k: &usize| best.x[k] > bounds[k].0 && best.x[k] < bounds[k].1;
@@ -86,54 +77,24 @@ impl FitUncertainty {
         if inside.is_empty() {
             return own;
         }
-        let norms: Vec<f64> = (0..count).map(|k| at.jacobian.column(k).norm()).collect();
-        let scales: Vec<f64> = inside
-            .iter()
-            .map(|&k| if norms[k] > 0.0 { norms[k] } else { 1.0 })
-            .collect();
-        let columns: Vec<Vector> = inside
-            .iter()
-            .zip(&scales)
-            .map(|(&k, scale)| at.jacobian.column(k) / *scale)
-            .collect();
-        let columns = Matrix::from_columns(&columns);
-        let count_of_data = rows - problem.mismatches();
-        // Parts that meet leave these directions.
-        let basis = null_space(&columns.rows_range(count_of_data..).into_owned());
-        let of_data = product(&columns.rows(0, count_of_data), &basis);
-        if of_data.is_empty() {
-            own.none = Some("the parts leave nothing to the data".to_owned());
-            return own;
-        }
-        let svd = SVD::new(QR::new(of_data).r(), false, true);
-        let (singular, Some(right)) = (svd.singular_values, svd.v_t) else {
-            own.none = Some("its derivatives have no singular values".to_owned());
-            return own;
+        let columns = at.jacobian.select_columns(&inside);
+        let found = Directions::of(&columns, problem.mismatches(), problem.tolerance());
+        let Directions { determined, open } = match found {
+            Ok(found) => found,
+            Err(why) => {
+                own.none = Some(why.to_owned());
+                return own;
+            }
         };
-        let least = singular.amax()
-            * (ERROR_OF_DERIVATIVES * problem.tolerance() + f64::EPSILON * rows as f64);
-        // Of each direction, the change of the unknowns by one standard deviation.
         let data = problem.of_data(&at.residuals);
         let freedom = problem.freedom(&at.residuals);
         let factor = variance_factor(problem.loss(), &data, freedom).sqrt();
-        let mut directions: Vec<Vector> = Vec::new();
+        let directions: Vec<Vector> = determined.iter().map(|one| one * factor).collect();
         let mut is_open = vec![false; inside.len()];
-        for (s, row) in singular
-            .iter()
-            .zip(product(&right, &basis.transpose()).row_iter())
-        {
-            if *s > least {
-                let parts = row
-                    .iter()
-                    .zip(&scales)
-                    .map(|(v, scale)| factor * v / scale / s);
-                directions.push(Vector::from_iterator(inside.len(), parts));
-                continue;
-            }
-            let parts = row.iter().zip(&inside).zip(&scales);
-            let relative = parts.map(|((v, &k), scale)| {
+        for direction in open {
+            let relative = direction.iter().zip(&inside).map(|(part, &k)| {
                 let value = best.x[k].abs();
-                v / scale / if value > 0.0 { value } else { 1.0 }
+                part / if value > 0.0 { value } else { 1.0 }
             });
             let relative: Vec<f64> = relative.collect();
             let most = relative
