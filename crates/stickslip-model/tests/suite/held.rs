@@ -5,11 +5,12 @@ use std::sync::Arc;
 use numerics::SplitMix;
 use stickslip::dynamics::{DynamicsRef, Interrupt, Modes, Moment, OrbitProgress, Vector};
 use stickslip::{Error, Mode, Options, Side};
-use stickslip_model::file::{SettingError, System, SystemFile};
+use stickslip_model::file::{MOST_FREE, SettingError, System, SystemFile};
 use stickslip_model::kernel::{Combination, sides_to_check};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::{AtValue, Diagram, FrictionWatch, Locates};
 
+use crate::hybrid::BUCK;
 use crate::recorded::open;
 use crate::run::{METHODS, branch, options, parsed, system};
 use crate::stops_with_friction::CORNER;
@@ -316,6 +317,31 @@ fn differences(
         ))
     };
     METHODS.iter().filter_map(difference).collect()
+}
+
+#[test]
+fn an_orbit_beside_free_parameters_has_the_bits_of_the_orbit_alone() {
+    let corner = corner();
+    let given = [EVERYTHING, &corner, BUCK].map(system);
+    let shipped = ["belt", "forced", "bracket", "leine", "basins", "den-hartog"].map(open);
+    let mut all = Vec::new();
+    for system in given.iter().chain(&shipped) {
+        // A power has another formula where its exponent is free.
+        let is_exponent = |number: usize| {
+            let name = &*system.file.parameters[number].name;
+            system.file.name == "everything" && ["p", "q"].contains(&name)
+        };
+        let free: Vec<usize> = (0..system.values.len())
+            .filter(|&number| !is_exponent(number))
+            .collect();
+        let many = free[..free.len().min(MOST_FREE)].to_vec();
+        for free in free.iter().map(|&number| vec![number]).chain([many]) {
+            let start = (system.built.t_start, &*system.start().unwrap());
+            let t_end = system.built.t_end.unwrap_or(20.0).min(20.0);
+            all.extend(differences(system, &free, (start, t_end)));
+        }
+    }
+    assert!(all.is_empty(), "{}", all.join("\n"));
 }
 
 #[test]
