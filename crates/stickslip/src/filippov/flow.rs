@@ -274,6 +274,10 @@ impl<F: Flow<N> + ?Sized, const L: usize, const N: usize, const G: usize> Functi
     for OfFlow<'_, F, L, N>
 {
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "the loop vanishes where all move"
+    )]
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
         let mut x = *x;
         for i in self.flow.dimension()..N {
