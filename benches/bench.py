@@ -237,14 +237,14 @@ def one(wanted):
     sys.exit(f"error: {wanted.solver} has no setting '{wanted.setting}', {wanted.tolerance}")
 
 
-# --- six problems as a user of Python states them ---
+# --- seven problems as a user of Python states them ---
 
 TOOLS = ("stickslip", "scipy", "heyoka", "diffsol")
 TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 # Error at which times are compared.
 TARGETS = {"belt": 1e-10, "impact": 1e-10, "table": 1e-9, "buck": 1e-10, "diagram": 1e-5}
-# Starts of the basin that each tool does; its time is scaled to all of them.
-SAMPLES = {"stickslip": 40000, "scipy": 150, "heyoka": 40000}
+# Ensembles: the tolerance, and of how many orbits SciPy does a sample. Its time is scaled to all.
+ENSEMBLES = {"basin": (1e-8, 150), "valve": (1e-10, 24)}
 
 
 def lines(function):
@@ -278,13 +278,16 @@ def python_rows(name, rounds):
     """The rows of a problem.
 
     A module has a function `with_TOOL(tol)` for each tool, which states the problem and returns a
-    function that solves it. The error of the basin is the part of the starts with another answer.
+    function that solves it. The error of an ensemble is the part of the starts with another answer.
     """
     import numpy as np
 
     module = importlib.import_module(f"problems.{name}")
     rows, calls = [], []
-    if name == "basin":
+    tolerances, sampled = TOLERANCES, None
+    if name in ENSEMBLES:
+        tolerance, sampled = ENSEMBLES[name]
+        tolerances = (tolerance,)
         starts = module.starts()
         right = module.with_stickslip(1e-12)(starts)
         order = np.random.default_rng(1).permutation(len(starts))
@@ -292,17 +295,18 @@ def python_rows(name, rounds):
         right = module.reference()
     for tool in TOOLS:
         make = getattr(module, f"with_{tool}", None)
-        for tol in ((1e-8,) if name == "basin" else TOLERANCES) if make else ():
+        for tol in tolerances if make else ():
             row = {"problem": name, "tool": tool, "rtol": tol, "lines": lines(make), "scale": 1.0}
-            if name == "basin":
-                some = order[: SAMPLES[tool]]
+            if sampled:
+                some = order[: sampled if tool == "scipy" else None]
                 row["scale"] = len(starts) / len(some)
 
                 def build(make=make, tol=tol, some=some):
                     run, spent = stated(make, tol)
                     return lambda: run(starts[some]), spent
 
-                call = prepared(row, build, lambda found: float((found != right[some]).mean()))
+                other = lambda found, some=some: module.is_other(found, right[some]).mean()
+                call = prepared(row, build, lambda found: float(other(found)))
             else:
                 build = lambda make=make, tol=tol: stated(make, tol)
                 call = prepared(row, build, lambda found: largest(found, right))
@@ -325,7 +329,7 @@ def compare(rows):
             of = [row for row in rows if (row["problem"], row["tool"]) == (name, tool)]
             curve = tables.front((row["seconds"], row["error"]) for row in of)
             if curve:
-                # The error of a basin is no number to compare at.
+                # The error of an ensemble is no number to compare at.
                 error = max(TARGETS.get(name, 0.0), curve[-1][1])
                 equal[tool] = tables.time_for(curve, error), error
         for row in rows:
@@ -336,7 +340,7 @@ def compare(rows):
 
 def python(wanted):
     rows = []
-    for name in wanted.problems or [*TARGETS, "basin"]:
+    for name in wanted.problems or [*TARGETS, *ENSEMBLES]:
         print(f"measuring {name}", file=sys.stderr)
         rows += python_rows(name, wanted.rounds)
     compare(rows)

@@ -20,6 +20,10 @@ def starts():
     return np.stack(np.meshgrid(x, v), axis=-1).reshape(-1, 2)
 
 
+def is_other(found, right):
+    return found != right
+
+
 def with_stickslip(tol):
     x, v = ss.states("x v")
     belt = ss.Contact("belt", boundary=v - VD)
