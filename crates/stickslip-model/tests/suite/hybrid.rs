@@ -9,7 +9,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
-use stickslip::{Ending, Error, math};
+use stickslip::{Ending, Error, Options, math};
 use stickslip_model::file::SystemFile;
 use stickslip_model::study::{PeriodicSearch, WholeBranch, extremes};
 
@@ -70,6 +70,25 @@ fn a_ball_that_bounces_without_end_is_reported_where_that_is() {
             let t = accumulation.unwrap().t;
             assert!((t - exact).abs() < 1e-10, "{method}, {r}: {t} and {exact}");
         }
+    }
+}
+
+#[test]
+fn what_location_leaves_of_a_height_does_not_displace_later_bounces() {
+    let text = BALL.replace("x = \"0\", ", "");
+    let exact = 3.0 * (2.0_f64 / 9.81).sqrt();
+    for tol in [1e-8, 1e-10, 1e-12, 1e-14] {
+        let options = Options {
+            rtol: tol,
+            atol: tol.into(),
+            ..options("taylor")
+        };
+        let run = Run::of(system(&text), &options, Some(20.0));
+        let Err(Error::EventPileUp { accumulation, .. }) = run.ended else {
+            panic!("{tol}");
+        };
+        let t = accumulation.unwrap().t;
+        assert!((t - exact).abs() < 1e-13, "{tol}: {t} and {exact}");
     }
 }
 

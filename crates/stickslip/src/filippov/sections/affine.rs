@@ -13,6 +13,10 @@ use crate::system::{State, components};
 use crate::taylor::MAX_COEFFICIENTS;
 use crate::taylor::roots::{RootBracket, newton, turning_points};
 
+/// A function has left its zero where it is so many times its rounding. Chosen above 2, the
+/// rounding there and here.
+const LEFT: f64 = 4.0;
+
 /// An affine function of time and state: one of the [`Slopes`], and a constant.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
@@ -182,7 +186,7 @@ impl<const N: usize> Slopes<N> {
 
     /// Whether a function with the sign `side` has left its last zero where a step begins.
     pub(super) fn has_left(&self, side: f64, of: Affine) -> bool {
-        side * (self.start + of.constant) > 4.0 * self.rounding(of)
+        side * (self.start + of.constant) > LEFT * self.rounding(of)
     }
 
     /// Finds the zeros of a function in a Taylor step, in order. It has the sign `side` before the
@@ -201,13 +205,14 @@ impl<const N: usize> Slopes<N> {
             return false;
         };
         let rounding = self.rounding(of);
-        // A function that stands at zero is compared with its value there.
-        let constant = if stands { -c[0] } else { of.constant };
+        let constant = of.constant;
         let leaves = side * if stands { c[1] } else { c[0] + constant };
         let is_whole = (self.start - c[0]).abs() <= rounding && (self.end - end).abs() <= rounding;
         let is_clear = |(_, value): &(f64, f64)| (value + constant).abs() > rounding;
         let is_certain = is_whole && leaves > rounding && self.turns.iter().all(is_clear);
-        let begins = !stands || !self.has_left(side, of) && side * (self.turns[0].1 - c[0]) > 0.0;
+        // One that stands at zero has left it at the first turn. What is left of zero at the start
+        // then says nothing of the next zero: at a low speed it would displace it by far.
+        let begins = !stands || side * (self.turns[0].1 + constant) > LEFT * rounding;
         if !is_certain || !begins {
             return false;
         }

@@ -219,9 +219,6 @@ where
                 && (has_left || begins_at_zero)
                 && self.slopes[of.slopes].find_zeros((side, begins_at_zero), of, &mut self.zeros)
             {
-                if begins_at_zero {
-                    crossings.over.zero = crossings.over.value_at_start();
-                }
                 let slopes = &self.slopes[of.slopes];
                 for zero in &self.zeros {
                     let direction = Direction::leaving(crossings.side);
@@ -243,10 +240,7 @@ where
                 }
                 self.known[number] = Known {
                     side: crossings.side,
-                    standing: match begins_at_zero {
-                        true => Standing::Leaving(crossings.over.zero),
-                        false => Standing::Left,
-                    },
+                    standing: Standing::Left,
                 };
                 continue;
             }
