@@ -351,12 +351,7 @@ fn a_branch_with_rest_ends_where_the_reaction_stays() {
 #[test]
 fn a_branch_passes_impacts_that_accumulate() {
     let table = system(TABLE);
-    // At 1e-12 the height of the last flights is that of the errors.
-    let options = Options {
-        rtol: 1e-13,
-        atol: 1e-13.into(),
-        ..options("taylor")
-    };
+    let options = options("taylor");
     let found = branch(&table, ("A", 0.9, 1.4), &options);
     let all = numbers(&found);
     // Below 1 the table does not throw the ball.

@@ -16,7 +16,6 @@ mod corners;
 mod den_hartog;
 mod endings;
 mod ensemble;
-mod family;
 mod flat;
 mod front_page;
 mod grazes;

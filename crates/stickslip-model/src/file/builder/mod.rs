@@ -256,7 +256,8 @@ impl<'a> Builder<'a> {
             }
             (Meaning::Time, _) => {
                 let time = self.graph.time();
-                self.directed(time, place)
+                let time = self.directed(time, place.clone())?;
+                self.in_time(time, place)
             }
             (Meaning::State(number), _) => Ok(self.graph.state(number)),
             (Meaning::Input(number), _) => self.input(number, place),

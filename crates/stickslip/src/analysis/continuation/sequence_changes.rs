@@ -162,8 +162,8 @@ impl Continuation<'_> {
     fn run_from(&self, orbit: &Cycle) -> Option<Outline> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let start = &orbit.anchor;
-        let period = match self.shooting.prescribed(&start.x) {
-            Some((period, _)) => period,
+        let period = match self.shooting.forced {
+            Some(period) => period,
             None => self.return_time(start, orbit).unwrap_or(orbit.period),
         };
         Outline::of_run(system, start, period, options).ok()

@@ -122,12 +122,11 @@ impl<'a> Continuation<'a> {
         options: &'a Options,
     ) -> Self {
         let outline = &branch.last.outline;
-        let forced = settings.forced.map(|_| branch.last.period);
         let shooting = Shooting {
             states: outline.begin.x.len() - 1,
             family: branch.first.family,
             extent: branch.widest,
-            ..Shooting::of(system, outline, forced, options)
+            ..Shooting::of(system, outline, settings.forced, options)
         };
         Continuation::with(shooting, settings, branch)
     }

@@ -48,8 +48,7 @@ pub(crate) struct Shooting<'a> {
     pub system: &'a dyn Dynamics,
     /// Number of components that are states; parameters follow them.
     pub states: usize,
-    /// Number of the drive's periods in that of the orbit, where it prescribes that. The drive's
-    /// period counts as 1 where the system does not tell it.
+    /// The period, where the forcing prescribes it.
     pub forced: Option<f64>,
     /// Extent of the widest orbit so far.
     pub extent: f64,

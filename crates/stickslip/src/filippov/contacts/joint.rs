@@ -461,8 +461,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         if contacts.iter().all(|&i| h[i] == 0.0) {
             return x;
         }
-        let at = Timed { t, x };
-        let gradients = gradients(self.system, &at, self.system.dimension());
+        let gradients = gradients(self.system, t, &x);
         let mut gram = [[0.0; M]; M];
         let mut multipliers = [0.0; M];
         for (row, &i) in contacts.iter().enumerate() {
@@ -484,15 +483,15 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
-/// Gradients of the boundary functions in the first components of the state, whose number is given.
+/// Gradients of the boundary functions in the state.
 pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     system: &S,
-    at: &Timed<N>,
-    states: usize,
+    t: f64,
+    x: &State<N>,
 ) -> [State<N>; M] {
     let mut gradients = [State::from([0.0; N]); M];
-    for k in 0..states {
-        let (t, x) = seeded(at, k);
+    for k in 0..system.dimension() {
+        let (t, x) = seeded(&Timed { t, x: *x }, k);
         for (gradient, h) in gradients.iter_mut().zip(system.boundaries(t, &x)) {
             gradient[k] = h.eps;
         }
