@@ -10,10 +10,6 @@ use crate::error::Error;
 use crate::filippov::TransitionKind;
 use crate::system::Mode;
 
-/// Part of the value of a guard by which it may fall further, at its present rate, where no graze
-/// is looked for. It is chosen: the rate falls to zero in between.
-const LITTLE: f64 = 0.0625;
-
 /// Refuses the last step of an orbit without parameters as states, if the orbit grazes within it.
 ///
 /// # Errors
@@ -96,22 +92,9 @@ pub(super) fn graze_in(
         if is_zero(guard, &step.start()) {
             return None;
         }
-        let (mut from, mut to) = (step.t_start, step.t_end);
-        let mut is_clear = false;
-        let rises = |t: f64| {
-            if is_clear {
-                return true;
-            }
-            let here = moment(t);
-            let [value, rate, ..] = flow.guard_jet(guard, &here);
-            let rises = rate >= 0.0;
-            *(if rises { &mut to } else { &mut from }) = t;
-            let falls_by = rate.abs() * (to - from);
-            is_clear = falls_by < LITTLE * value.abs() && !is_zero(guard, &here);
-            rises
-        };
+        let rises = |t: f64| flow.guard_jet(guard, &moment(t))[1] >= 0.0;
         let at = moment(bisect(step.t_start, step.t_end, rises));
-        (!is_clear && is_zero(guard, &at)).then_some(at)
+        is_zero(guard, &at).then_some(at)
     });
     turned.min_by(|a, b| a.t.total_cmp(&b.t))
 }

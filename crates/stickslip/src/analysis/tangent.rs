@@ -139,15 +139,15 @@ impl<'a> Tangent<'a> {
         })
     }
 
-    /// The effect of a jump that leaves a body on a stop. A vector that gives it a speed off there,
-    /// as the derivative by a restitution of 0 does, makes it land after a flight of the duration
-    /// `2 w/a`, with `w` that speed and `a` the acceleration towards the stop.
+    /// The effect of a jump that leaves a body on a stop. The derivative by a restitution of 0
+    /// gives it a speed `w` off there. It then lands after a flight of the duration `2 w/a`, with
+    /// `a` the acceleration towards the stop.
     fn landed(&self, at: &Transition, after: &Moment, mut matrix: Matrix) -> Matrix {
         for landing in self.system.landings(after) {
             let speeds = matrix.tr_mul(&landing.gradient);
             let sizes = matrix.abs().tr_mul(&landing.gradient.abs());
             let is_motion = |(speed, size): (&f64, &f64)| speed.abs() > SAME * size;
-            if landing.lands && speeds.iter().zip(sizes.iter()).any(is_motion) {
+            if speeds.iter().zip(sizes.iter()).any(is_motion) {
                 let flight = Moment {
                     t: after.t,
                     x: self.system.opened(after.x.clone()),
