@@ -168,7 +168,7 @@ impl Sweep for Map {
         let mut report = Report::of(system, format!("{all} cells, {x}, {y}"));
         report.field("cells", all).file(path);
         // Attractors come first, in the order of first appearance; other outcomes follow.
-        let mut in_order: Vec<&Class> = found.classes.iter().collect();
+        let mut in_order: Vec<&MotionClass> = found.classes.iter().collect();
         in_order.sort_by_key(|class| !class.is_attractor);
         for class in &in_order {
             let percent = 100.0 * class.cells as f64 / all as f64;
@@ -234,7 +234,7 @@ struct CellShown {
 }
 
 /// Cells of one kind of motion.
-struct Class {
+struct MotionClass {
     /// Name of the motion; for an attractor also its phases.
     name: String,
     /// Whether this is a kind of attractor. Orbits that escape, end, fail or are undecided reach
@@ -247,7 +247,7 @@ struct Class {
 /// Results of a map.
 struct MapResults {
     /// Classes in the order of first appearance.
-    classes: Vec<Class>,
+    classes: Vec<MotionClass>,
     /// Row by row from the lowest second parameter.
     cells: Vec<CellShown>,
 }
@@ -255,7 +255,7 @@ struct MapResults {
 impl Map {
     /// Reads the blocks in order and writes the table.
     fn read(&self, store: &Store, path: &Path) -> Result<MapResults, Failure> {
-        let (mut classes, mut shown): (Vec<Class>, _) = (Vec::new(), Vec::new());
+        let (mut classes, mut shown): (Vec<MotionClass>, _) = (Vec::new(), Vec::new());
         type Row = ([f64; 2], Cell);
         let [x, y] = &self.plane;
         let columns = Table::new()
@@ -273,7 +273,7 @@ impl Map {
                 let name = cell.class();
                 let known = classes.iter().position(|known| known.name == name);
                 let class = known.unwrap_or_else(|| {
-                    classes.push(Class {
+                    classes.push(MotionClass {
                         name,
                         is_attractor: cell.kind.is_attractor(),
                         cells: 0,

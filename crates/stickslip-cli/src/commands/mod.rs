@@ -37,7 +37,7 @@ use output::terminal::finish;
 /// points, periodic orbits, Lyapunov spectra, fits to records, and spectra of measured series
 #[derive(Debug, Parser)]
 #[command(name = "stickslip", version, after_help = AFTER_HELP, max_term_width = 100)]
-struct CommandLine {
+struct ProgramArguments {
     #[command(subcommand)]
     command: Command,
 }
@@ -74,8 +74,8 @@ enum Command {
 /// folder may not: otherwise a forgotten name would give a folder named after the next option.
 /// Unless it is given, each command has a folder of its own, so that none overwrites the files of
 /// another.
-fn parsed() -> CommandLine {
-    let line = CommandLine::command().mut_subcommands(|command| {
+fn parsed() -> ProgramArguments {
+    let line = ProgramArguments::command().mut_subcommands(|command| {
         let folder = format!("stickslip-output/{}", command.get_name());
         command.mut_args(|option: Arg| match option.get_id().as_str() {
             "out" if option.get_default_values().is_empty() => option,
@@ -84,7 +84,7 @@ fn parsed() -> CommandLine {
             _ => option.allow_hyphen_values(true),
         })
     });
-    CommandLine::from_arg_matches(&line.get_matches()).unwrap_or_else(|error| error.exit())
+    ProgramArguments::from_arg_matches(&line.get_matches()).unwrap_or_else(|error| error.exit())
 }
 
 /// Runs the program.

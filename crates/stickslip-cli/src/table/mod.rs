@@ -28,7 +28,7 @@ const DISTINCT_FRACTION: f64 = 0.5;
 
 /// The columns chosen from a file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Table {
+pub struct NumberTable {
     /// Name of the input, for messages.
     pub input: String,
     /// Names, or numbers counted from 1.
@@ -74,7 +74,7 @@ pub fn read(
     wanted: &[String],
     dt: Option<f64>,
     report: &dyn Fn(usize, usize),
-) -> Result<Table, TableError> {
+) -> Result<NumberTable, TableError> {
     if path == Path::new("-") {
         let input = "standard input".to_owned();
         return parse(input, std::io::stdin().lock(), wanted, dt);
@@ -120,7 +120,7 @@ pub fn parse(
     mut source: impl BufRead,
     wanted: &[String],
     dt: Option<f64>,
-) -> Result<Table, TableError> {
+) -> Result<NumberTable, TableError> {
     if npy::is_array(&mut source) {
         return npy::read(input, source, wanted, dt);
     }
@@ -140,7 +140,7 @@ pub fn parse(
     Ok(table)
 }
 
-impl Table {
+impl NumberTable {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.values.len() / self.names.len().max(1)

@@ -5,7 +5,7 @@ use std::io::{BufRead, Cursor, Error, ErrorKind, Read};
 use npyz::{DType, Deserialize, NpyFile, Order, TypeChar};
 
 use super::rows::Rows;
-use super::{MOST_VALUES, Table, TableError};
+use super::{MOST_VALUES, NumberTable, TableError};
 
 /// Longest header that is read, in bytes: as in NumPy (`max_header_size`).
 const LONGEST_HEADER: usize = 10_000;
@@ -26,7 +26,7 @@ pub(super) fn read(
     mut source: impl BufRead,
     wanted: &[String],
     dt: Option<f64>,
-) -> Result<Table, TableError> {
+) -> Result<NumberTable, TableError> {
     let refused = |cause: String| TableError::File(format!("{input} is a .npy array, but {cause}"));
     let header = header_of(&mut source).map_err(refused)?;
     let whole = Cursor::new(header).chain(source);

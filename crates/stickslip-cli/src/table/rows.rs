@@ -5,7 +5,7 @@ use stickslip::error::readable;
 use stickslip_model::text_table::Dialect;
 use stickslip_series::MAX_COLUMNS;
 
-use super::{MOST_VALUES, Table, TableError, time};
+use super::{MOST_VALUES, NumberTable, TableError, time};
 
 /// Names of a column that holds the time.
 const TIME: [&str; 2] = ["t", "time"];
@@ -238,7 +238,7 @@ impl<'a> Rows<'a> {
     }
 
     /// The table, with its time step and without constant columns.
-    pub(super) fn finish(mut self, dt: Option<f64>) -> Result<Table, TableError> {
+    pub(super) fn finish(mut self, dt: Option<f64>) -> Result<NumberTable, TableError> {
         let input = self.input;
         if self.values.is_empty() && self.times.is_empty() {
             return Err(TableError::empty(input));
@@ -257,11 +257,11 @@ impl<'a> Rows<'a> {
                  in a line of its own, of a single column each number"
             )));
         }
-        let mut table = Table {
+        let mut table = NumberTable {
             input: input.to_owned(),
             names: self.columns.iter().map(|&c| self.name(c)).collect(),
             values: std::mem::take(&mut self.values),
-            ..Table::default()
+            ..NumberTable::default()
         };
         table.dt = match (self.time, dt) {
             (Some(_), Some(dt)) => {
@@ -300,7 +300,10 @@ impl<'a> Rows<'a> {
 /// Returns the step of a first column that is the time. Without names and a choice, that is an
 /// evenly spaced column, unless another step is given. One that rises unevenly is an error: it
 /// cannot be a state of a recurrent system.
-fn time_in_first_column(table: &mut Table, given: Option<f64>) -> Result<Option<f64>, TableError> {
+fn time_in_first_column(
+    table: &mut NumberTable,
+    given: Option<f64>,
+) -> Result<Option<f64>, TableError> {
     let all = table.names.join(",");
     let first = || table.column(0);
     let refused = |step: f64, but: &str| {

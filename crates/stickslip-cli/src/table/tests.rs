@@ -2,14 +2,14 @@
 
 use std::io::BufReader;
 
-use super::{Table, parse};
+use super::{NumberTable, parse};
 
-fn from(bytes: &[u8], wanted: &[&str], dt: Option<f64>) -> Result<Table, String> {
+fn from(bytes: &[u8], wanted: &[&str], dt: Option<f64>) -> Result<NumberTable, String> {
     let wanted: Vec<String> = wanted.iter().map(|&w| w.to_owned()).collect();
     parse("f".into(), bytes, &wanted, dt).map_err(|error| error.to_string())
 }
 
-fn table(text: &str, wanted: &[&str]) -> Result<Table, String> {
+fn table(text: &str, wanted: &[&str]) -> Result<NumberTable, String> {
     from(text.as_bytes(), wanted, Some(0.5))
 }
 
@@ -534,7 +534,7 @@ fn a_line_without_end_is_refused_before_it_fills_the_memory() {
     );
 }
 
-fn read(text: &str, dt: Option<f64>) -> Table {
+fn read(text: &str, dt: Option<f64>) -> NumberTable {
     let table = parse("f".into(), text.as_bytes(), &[], dt);
     table.unwrap_or_else(|error| panic!("{text:?}: {error}"))
 }

@@ -41,28 +41,28 @@ pub(super) fn check_order(
     };
     if let Some(input) = cause.kink {
         let of_kink = |y: &Vector| kink_time(system, input, &place, y);
-        let is_alike = |other: &Event| {
+        let is_alike = |other: &Meeting| {
             let other = other.effect(system, &place, at.t);
             columns.iter().all(|y| other.is_at(of_kink(y), y))
         };
         let is_free = others(system, at, &place, 0.0).iter().all(is_alike);
         return is_free.then_some(None).ok_or_else(matters);
     }
-    let own = Event::of(system, at);
+    let own = Meeting::of(system, at);
     let zero = own.effect(system, &place, at.t).zero;
     // What location leaves of a guard.
     let late = match own {
-        Event::Contact { .. } if zero.goes() => at.residual / zero.rate.abs(),
+        Meeting::Contact { .. } if zero.goes() => at.residual / zero.rate.abs(),
         _ => 0.0,
     };
     let mut joint = None;
     for other in others(system, at, &place, late) {
         match (order(system, &place, [own, other], columns), own, other) {
             (Order::Alike, ..) => {}
-            (Order::Matters, Event::Contact { .. }, Event::Contact { .. }) => {
+            (Order::Matters, Meeting::Contact { .. }, Meeting::Contact { .. }) => {
                 return Err(singular(at.t, &at.x));
             }
-            (Order::Free(both), Event::Jump(_), Event::Contact { contact, .. })
+            (Order::Free(both), Meeting::Jump(_), Meeting::Contact { contact, .. })
                 if at.to.get(contact) != at.from.get(contact) =>
             {
                 let is_whole = joint.is_none() && both.mode == at.to;
@@ -130,7 +130,7 @@ struct Place {
 
 /// An event that its own function decides.
 #[derive(Clone, Copy)]
-enum Event {
+enum Meeting {
     /// A jump, counted after the contacts.
     Jump(usize),
     /// The zero of a contact's guard.
@@ -163,12 +163,12 @@ impl Effect {
     }
 }
 
-impl Event {
+impl Meeting {
     /// The event of a transition.
     fn of(system: &dyn Dynamics, at: &Transition) -> Self {
         match at.kind {
-            TransitionKind::Jump => Event::Jump(at.contact),
-            _ => Event::Contact {
+            TransitionKind::Jump => Meeting::Jump(at.contact),
+            _ => Meeting::Contact {
                 contact: at.contact,
                 guard: guard_of(system, at, at.t).map_or(at.contact, |guard| guard.number),
                 to: at.to.get(at.contact),
@@ -184,7 +184,7 @@ impl Event {
         let before = flow.velocity(at);
         let n = at.x.len();
         match self {
-            Event::Jump(jump) => {
+            Meeting::Jump(jump) => {
                 let zero = Zero::of_jump(system, jump, mode, at, held);
                 let reset = system.reset_held(jump, at, held);
                 let to = Moment {
@@ -205,7 +205,7 @@ impl Event {
                     after,
                 }
             }
-            Event::Contact { contact, guard, to } => {
+            Meeting::Contact { contact, guard, to } => {
                 let zero = Zero::of_guard(system, guard, mode, at, held);
                 let (gradient, _) = flow.guard_gradient(guard, at);
                 let after = Place {
@@ -259,7 +259,7 @@ fn beyond(system: &dyn Dynamics, place: &Place, contact: usize, held: f64) -> Op
 
 /// The other events that the motion leads to at the instant of a transition, which may be located
 /// late by some time.
-fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> Vec<Event> {
+fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> Vec<Meeting> {
     let flow = system.flow(place.mode, &place.at);
     let guards = flow.guards().into_iter();
     let event = |guard: Guard| {
@@ -278,10 +278,10 @@ fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> V
             let zero = Zero::of_jump(system, guard.contact, place.mode, &place.at, at.t);
             let reset = system.reset(guard.contact, &place.at);
             let happens = zero.goes() && !reset.lands && reset.after.iter().all(|x| x.is_finite());
-            return happens.then_some(Event::Jump(guard.contact));
+            return happens.then_some(Meeting::Jump(guard.contact));
         }
         let to = beyond(system, place, guard.contact, at.t).filter(|_| goes)?;
-        Some(Event::Contact {
+        Some(Meeting::Contact {
             contact: guard.contact,
             guard: guard.number,
             to,
@@ -291,8 +291,8 @@ fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> V
 }
 
 /// Whether the order of two events at a place matters to vectors.
-fn order(system: &dyn Dynamics, place: &Place, pair: [Event; 2], columns: &[Vector]) -> Order {
-    let effect = |event: Event, place: &Place| event.effect(system, place, place.at.t);
+fn order(system: &dyn Dynamics, place: &Place, pair: [Meeting; 2], columns: &[Vector]) -> Order {
+    let effect = |event: Meeting, place: &Place| event.effect(system, place, place.at.t);
     let [one, other] = pair.map(|event| effect(event, place));
     let is_apart = |y: &&Vector| !one.is_at(other.time.dot(y), y);
     let apart: Vec<&Vector> = columns.iter().filter(is_apart).collect();
@@ -324,7 +324,7 @@ fn order(system: &dyn Dynamics, place: &Place, pair: [Event; 2], columns: &[Vect
 fn kink_matters(
     system: &dyn Dynamics,
     place: &Place,
-    event: Event,
+    event: Meeting,
     kinks: &[usize],
     columns: &[Vector],
 ) -> bool {
@@ -351,8 +351,8 @@ fn kink_matters(
         return false;
     }
     let leads_on = |held: f64| match event {
-        Event::Contact { contact, .. } => beyond(system, place, contact, held),
-        Event::Jump(_) => None,
+        Meeting::Contact { contact, .. } => beyond(system, place, contact, held),
+        Meeting::Jump(_) => None,
     };
     let [earlier, later] = [place, &first.after].map(|at| shifts(system, at, [before, after]));
     let shifted = |y: &Vector, shifts: &[KinkShift]| {

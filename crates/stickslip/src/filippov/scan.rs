@@ -177,11 +177,11 @@ pub(crate) fn first_bracket_within(
     // Each halving leaves one interval waiting, and NARROWEST_INTERVAL allows 26 of them,
     // HALVINGS_UNSAMPLED two more.
     let narrowest = NARROWEST_INTERVAL * (hi - lo).max(1.0);
-    let mut waiting = [Part::default(); 32];
+    let mut waiting = [ScanPart::default(); 32];
     let mut count = 0;
-    let mut part = Part {
+    let mut part = ScanPart {
         ends: (lo, hi),
-        ..Part::default()
+        ..ScanPart::default()
     };
     loop {
         let (lo, hi) = part.ends;
@@ -206,12 +206,12 @@ pub(crate) fn first_bracket_within(
                         let Some((from, middle, to)) = unproven else {
                             return Some(bracket);
                         };
-                        let before = Part {
+                        let before = ScanPart {
                             ends: (from, middle),
                             halvings: 1,
                             remainder_of: None,
                         };
-                        let remainder = Part {
+                        let remainder = ScanPart {
                             ends: (middle, to),
                             halvings: 0,
                             remainder_of: Some(bracket),
@@ -241,7 +241,7 @@ pub(crate) fn first_bracket_within(
 
 /// A part of the interval that is searched.
 #[derive(Clone, Copy, Default)]
-struct Part {
+struct ScanPart {
     ends: (f64, f64),
     /// Number of halvings since samples were clear.
     halvings: u32,
@@ -249,12 +249,12 @@ struct Part {
     remainder_of: Option<Bracket>,
 }
 
-impl Part {
+impl ScanPart {
     fn halved(self, halvings: u32) -> (Self, Self) {
         let (lo, hi) = self.ends;
         // The same arithmetic as for the samples gives the same bits.
         let middle = lo + 0.5 * (hi - lo);
-        let half = |ends| Part {
+        let half = |ends| ScanPart {
             ends,
             halvings,
             remainder_of: None,

@@ -106,7 +106,7 @@ pub(super) struct Basin {
 
 /// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Block {
+pub(super) struct BasinBlock {
     /// Attractors of the starts in the block, in the order of first appearance.
     attractors: Vec<Attractor>,
     /// Index of each start's attractor in `attractors`.
@@ -187,13 +187,18 @@ impl Basin {
 impl Sweep for Basin {
     const COMMAND: &'static str = "basin";
 
-    type Block = Block;
+    type Block = BasinBlock;
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
         (self.points.blocks(), NonZeroUsize::MIN)
     }
 
-    fn block(&self, system: &System, index: usize, _: Option<Block>) -> Result<Block, Failure> {
+    fn block(
+        &self,
+        system: &System,
+        index: usize,
+        _: Option<BasinBlock>,
+    ) -> Result<BasinBlock, Failure> {
         let settings = recurrence(system, self.until);
         let options = self.solver.options(system)?;
         let points = self.points.of_block(index);
@@ -217,7 +222,7 @@ impl Sweep for Basin {
             let one = reported(one, |error| in_words(error, system));
             distinct.number(one)
         });
-        Ok(Block {
+        Ok(BasinBlock {
             starts: starts.collect(),
             attractors: distinct.into_vec(),
             returns,
@@ -360,7 +365,7 @@ impl Basin {
             Some(_) => starts.column("return_time", |&(.., time)| time),
             None => starts,
         };
-        table(store, path, &starts, |index, block: Block| {
+        table(store, path, &starts, |index, block: BasinBlock| {
             let found = block.attractors.into_iter();
             let numbers: Vec<usize> = found.map(|one| distinct.number(one)).collect();
             let known = distinct.all();

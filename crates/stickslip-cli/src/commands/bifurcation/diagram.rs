@@ -9,7 +9,7 @@ use stickslip::dynamics::{Phase, Vector};
 use stickslip_model::file::System;
 use stickslip_model::study::AtValue;
 
-use super::{Bifurcation, Block, Pass};
+use super::{Bifurcation, DiagramBlock, Pass};
 use crate::commands::exponent;
 use crate::commands::sweeping::table;
 use crate::commands::{attractors, figures};
@@ -21,10 +21,10 @@ use crate::sweep::Store;
 pub(super) const DIRECTION_NAMES: [&str; 2] = ["up", "down"];
 
 /// Points of one pass through the range, as parameter and value.
-type Points = Vec<(f64, f64)>;
+type PointsOfPass = Vec<(f64, f64)>;
 
 /// Selects the points that a panel shows of one pass.
-type Shown = fn(&OneDirection) -> &Points;
+type Shown = fn(&OneDirection) -> &PointsOfPass;
 
 /// An attractor at a value, and a motion of another class at the next value.
 pub(super) struct Replacement {
@@ -51,16 +51,16 @@ pub(super) struct Span {
 #[derive(Default)]
 pub(super) struct OneDirection {
     /// First state at the section points.
-    section: Points,
+    section: PointsOfPass,
     /// Durations of stick.
-    sticks: Points,
+    sticks: PointsOfPass,
     /// Largest exponents.
-    exponents: Points,
+    exponents: PointsOfPass,
     /// Changes along the pass, and the values between which they occur.
     pub(super) changes: Vec<AttractorChange>,
     pub(super) spans: Vec<Span>,
     /// Periods of the periodic orbits, by value.
-    periods: Points,
+    periods: PointsOfPass,
     /// The last value and the attractor there in words, if the orbit reached one.
     last: Option<(f64, String)>,
     pub(super) replacements: Vec<Replacement>,
@@ -143,7 +143,7 @@ impl Bifurcation {
             point.map(|point| at.reached.points[point].x.clone())
         });
         let columns = columns.column("reason", |(_, at, _)| attractors::reason(&at.reached));
-        table(store, points, &columns, |block, part: Block| {
+        table(store, points, &columns, |block, part: DiagramBlock| {
             let number = usize::from(self.pass(block) != Pass::Up);
             let way = &mut directions[number];
             way.changes.extend(part.changes);
@@ -168,7 +168,7 @@ impl Bifurcation {
             .column(parameter, |&(_, value, _)| value)
             .column("duration", |(.., phase)| phase.duration())
             .state(system, "_length", lengths);
-        table(store, sticks_path, &columns, |block, part: Block| {
+        table(store, sticks_path, &columns, |block, part: DiagramBlock| {
             let number = usize::from(self.pass(block) != Pass::Up);
             let all = part
                 .found

@@ -132,7 +132,7 @@ pub(super) struct Bifurcation {
 
 /// Content of a block.
 #[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Block {
+pub(super) struct DiagramBlock {
     found: Vec<AtValue>,
     /// Changes from each value to the next. The first begins at the last value of the block before.
     changes: Vec<AttractorChange>,
@@ -199,7 +199,7 @@ impl Bifurcation {
 impl Sweep for Bifurcation {
     const COMMAND: &'static str = "bifurcation";
 
-    type Block = Block;
+    type Block = DiagramBlock;
 
     fn size(&self) -> (NonZeroUsize, NonZeroUsize) {
         let passes = if self.shares.is_some() { 3 } else { 2 };
@@ -210,8 +210,8 @@ impl Sweep for Bifurcation {
         &self,
         system: &System,
         index: usize,
-        before: Option<Block>,
-    ) -> Result<Block, Failure> {
+        before: Option<DiagramBlock>,
+    ) -> Result<DiagramBlock, Failure> {
         if let (Pass::Shares, Some(shares)) = (self.pass(index), &self.shares) {
             let before = before.and_then(|mut before| before.shares.pop());
             return self.block_of_shares(shares, system, index, before);
@@ -235,7 +235,7 @@ impl Sweep for Bifurcation {
             found.push(at);
             changes.extend(between);
         }
-        Ok(Block {
+        Ok(DiagramBlock {
             found,
             changes,
             shares: Vec::new(),

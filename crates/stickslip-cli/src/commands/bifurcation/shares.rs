@@ -11,7 +11,7 @@ use stickslip::analysis::{Attractor, SharesAt, shares_at};
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
 
-use super::{Bifurcation, Block};
+use super::{Bifurcation, DiagramBlock};
 use crate::commands::arguments::{count, seed};
 use crate::commands::range::{StateRange, not_too_many};
 use crate::commands::sweeping::from_content;
@@ -145,7 +145,7 @@ impl Bifurcation {
         system: &System,
         index: usize,
         before: Option<SharesAt>,
-    ) -> Result<Block, Failure> {
+    ) -> Result<DiagramBlock, Failure> {
         let options = self.solver.options(system)?;
         let mut last = before
             .map(|before| {
@@ -176,7 +176,7 @@ impl Bifurcation {
             all.push(found.clone());
             last = Some((here, found));
         }
-        Ok(Block {
+        Ok(DiagramBlock {
             found: Vec::new(),
             changes: Vec::new(),
             shares: all,
@@ -193,7 +193,7 @@ impl Bifurcation {
     ) -> Result<(), Failure> {
         let mut all: Vec<SharesAt> = Vec::new();
         store.for_each(|block, content| {
-            let held: Result<Block, _> = from_content(content);
+            let held: Result<DiagramBlock, _> = from_content(content);
             let held = held.map_err(|source| SweepError::Block { block, source })?;
             all.extend(held.shares);
             Ok::<_, Failure>(())

@@ -13,7 +13,7 @@ use super::super::figures;
 use super::super::range::ParameterRange;
 
 /// Computes a value of an orbit.
-type Value = fn(&BranchOrbit) -> f64;
+type ValueOfOrbit = fn(&BranchOrbit) -> f64;
 
 const LARGEST_MULTIPLIER: &str = "largest multiplier";
 
@@ -28,7 +28,7 @@ pub(super) fn diagram(
     branches: &[&WholeBranch],
 ) -> Figure {
     let first = &system.file.states[0];
-    let largest: Value = |at| {
+    let largest: ValueOfOrbit = |at| {
         let sizes = at.orbit.multipliers.iter().map(|one| modulus(*one));
         // For orbits that stick it is zero up to rounding.
         match sizes.fold(0.0, f64::max) {
@@ -41,11 +41,11 @@ pub(super) fn diagram(
     let period = figures::in_time(system, "period", "");
     // Multipliers are accurate to 1e-6. Maximum and minimum have separate scales, so that the two
     // parts of a closed branch can be distinguished.
-    let extents: [(String, Value); 2] = [
+    let extents: [(String, ValueOfOrbit); 2] = [
         (extent("greatest"), |at| at.extremes[0].1),
         (extent("least"), |at| at.extremes[0].0),
     ];
-    let others: [(String, Value, f64); 2] = [
+    let others: [(String, ValueOfOrbit, f64); 2] = [
         (period, |at| at.orbit.period, 0.0),
         (LARGEST_MULTIPLIER.to_owned(), largest, 1e-6),
     ];
@@ -55,7 +55,7 @@ pub(super) fn diagram(
         .filter(|(_, value, error)| differs(branches, *value, *error))
         .map(|(label, value, _)| (label, value));
     let of_extents = extents.len();
-    let rows: Vec<(String, Value)> = extents.into_iter().chain(others).collect();
+    let rows: Vec<(String, ValueOfOrbit)> = extents.into_iter().chain(others).collect();
     let title = format!("{}: branch of periodic orbits", system.file.name);
     let description = format!(
         "A branch of periodic orbits of {} over {} from {} to {}: least and greatest {}, period, \
@@ -130,7 +130,7 @@ const SPECIAL: [&str; 5] = [
 ];
 
 /// Adds the markers of the special orbits to the panel of a value.
-fn add_special(panel: &mut Panel, branches: &[&WholeBranch], value: Value, is_size: bool) {
+fn add_special(panel: &mut Panel, branches: &[&WholeBranch], value: ValueOfOrbit, is_size: bool) {
     for name in SPECIAL {
         let there = branches.iter().flat_map(|branch| {
             let special = branch.special.iter();
@@ -195,7 +195,7 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
 
 /// Position of the marker at the end of a branch. An equilibrium lies between the minimum and the
 /// maximum of a state on the last orbit.
-fn end_mark(end: &BranchOrbit, stop: &Stop, value: Value, is_extent: bool) -> (f64, f64) {
+fn end_mark(end: &BranchOrbit, stop: &Stop, value: ValueOfOrbit, is_extent: bool) -> (f64, f64) {
     let (least, greatest) = end.extremes[0];
     let height = match stop {
         Stop::Equilibrium { .. } | Stop::BoundaryEquilibrium { .. } | Stop::TwoFold { .. }
@@ -230,7 +230,12 @@ fn ends(range: &ParameterRange, branches: &[&WholeBranch]) -> (f64, f64) {
 
 /// Position of a special orbit on the curve of a value, between its neighbours. If a multiplier
 /// changes the stability, its size is 1 there.
-fn place(branch: &WholeBranch, at: &SpecialPoint, value: Value, is_size: bool) -> (f64, f64) {
+fn place(
+    branch: &WholeBranch,
+    at: &SpecialPoint,
+    value: ValueOfOrbit,
+    is_size: bool,
+) -> (f64, f64) {
     let stability = |k: usize| branch.points.get(k).map(|point| point.orbit.stability());
     let changes = at.behind.checked_sub(1).and_then(stability) != stability(at.behind);
     if is_size && changes && !matches!(at.what, CycleBifurcation::Sequence(_)) {
@@ -264,7 +269,11 @@ fn place(branch: &WholeBranch, at: &SpecialPoint, value: Value, is_size: bool) -
 
 /// Splits the branch into pieces of equal stability. Neighbouring pieces share the special orbit
 /// between them, so that the curve has no gap.
-fn runs(branch: &WholeBranch, value: Value, is_size: bool) -> Vec<(Stability, Vec<(f64, f64)>)> {
+fn runs(
+    branch: &WholeBranch,
+    value: ValueOfOrbit,
+    is_size: bool,
+) -> Vec<(Stability, Vec<(f64, f64)>)> {
     let mut runs: Vec<(Stability, Vec<(f64, f64)>)> = Vec::new();
     for (k, at) in branch.points.iter().enumerate() {
         let here = (at.orbit.parameter, value(at));
@@ -290,7 +299,7 @@ fn runs(branch: &WholeBranch, value: Value, is_size: bool) -> Vec<(Stability, Ve
 }
 
 /// Whether a value varies by more than rounding and its error.
-fn differs(branches: &[&WholeBranch], value: Value, error: f64) -> bool {
+fn differs(branches: &[&WholeBranch], value: ValueOfOrbit, error: f64) -> bool {
     let (low, high) = figures::extremes(points(branches).map(value));
     high - low > error + 1e-9 * high.abs()
 }

@@ -9,7 +9,7 @@ use stickslip_series::{
 };
 
 use crate::render::{self, OutputError};
-use crate::table::Table;
+use crate::table::NumberTable;
 
 /// The reliability of the status `ok` was measured on series of at least this many points.
 const COUNTED_POINTS: usize = 5000;
@@ -90,7 +90,7 @@ impl Findings {
     }
 
     /// The spectrum and its evidence, for the terminal.
-    pub(super) fn table(&self, source: &Table) -> String {
+    pub(super) fn table(&self, source: &NumberTable) -> String {
         let spectrum = &self.spectrum;
         let time = source.time.as_ref();
         let mut text = format!(
@@ -203,7 +203,7 @@ impl Findings {
 
     /// Notes on exponents with the status `ok`: which of them have an uncertain sign, and that the
     /// reliability of `ok` was not measured for so few points.
-    pub(super) fn notes(&self, source: &Table) -> Vec<String> {
+    pub(super) fn notes(&self, source: &NumberTable) -> Vec<String> {
         let spectrum = &self.spectrum;
         let mut notes = Vec::new();
         let exponents = spectrum.exponents.iter().enumerate();
@@ -286,7 +286,7 @@ impl Embedded {
     }
 
     /// Describes the embedding of the series and its reasons.
-    fn text(&self, source: &Table) -> String {
+    fn text(&self, source: &NumberTable) -> String {
         let choice = &self.choice;
         // A bare number could be read as a value.
         let column = |name: &String| match name.parse::<usize>() {

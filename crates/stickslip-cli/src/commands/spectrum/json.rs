@@ -5,9 +5,9 @@ use serde_json::{Value, json};
 use stickslip_series::{Balance, Divergence, DivergenceCurve, Neighbourhood, Statistics};
 
 use super::findings::{Embedded, Findings, UNIT};
-use crate::table::Table;
+use crate::table::NumberTable;
 
-pub(super) fn fields(findings: &Findings, source: &Table, warnings: &[String]) -> Value {
+pub(super) fn fields(findings: &Findings, source: &NumberTable, warnings: &[String]) -> Value {
     let spectrum = &findings.spectrum;
     let exponents = spectrum.exponents.iter().enumerate().map(|(i, exponent)| {
         json!({

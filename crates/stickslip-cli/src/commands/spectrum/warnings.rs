@@ -9,7 +9,7 @@ use stickslip_series::{
 
 use super::Arguments;
 use super::findings::{Findings, numbers, short};
-use crate::table::Table;
+use crate::table::NumberTable;
 
 /// A warning is issued if a larger fraction of the reference points has too few neighbours.
 const STARVED_FRACTION: f64 = 0.1;
@@ -28,7 +28,7 @@ const MISSED_PART: f64 = 0.01;
 const COMBINED_ERRORS: f64 = 4.0;
 
 /// All warnings, each with its remedy.
-pub(super) fn all(findings: &Findings, source: &Table, arguments: &Arguments) -> Vec<String> {
+pub(super) fn all(findings: &Findings, source: &NumberTable, arguments: &Arguments) -> Vec<String> {
     let spectrum = &findings.spectrum;
     let mut warnings = counting(source);
     // All other warnings would follow from this one.
@@ -135,7 +135,7 @@ fn starved(spectrum: &DataSpectrum) -> Option<String> {
 }
 
 /// Warning about the first column whose values lie on a grid.
-fn on_a_grid(spectrum: &DataSpectrum, source: &Table) -> Option<String> {
+fn on_a_grid(spectrum: &DataSpectrum, source: &NumberTable) -> Option<String> {
     let grid = source.grid()?;
     let step = grid.step.map_or(String::new(), |step| {
         format!(", on a grid of {}", readable(step))
@@ -223,7 +223,7 @@ fn embedding(findings: &Findings) -> Vec<String> {
 }
 
 /// Warning about states that equal the state before.
-fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
+fn standing_still(findings: &Findings, source: &NumberTable) -> Option<String> {
     let embedded = findings.embedded.as_ref();
     let reach = embedded.map_or(0, |embedded| embedded.choice.embedding.span());
     let rows: Vec<&[f64]> = source.values.chunks(source.names.len().max(1)).collect();
@@ -238,7 +238,7 @@ fn standing_still(findings: &Findings, source: &Table) -> Option<String> {
 }
 
 /// Warning about a column of times or indices. It never recurs, so it is no coordinate of a state.
-fn counting(source: &Table) -> Vec<String> {
+fn counting(source: &NumberTable) -> Vec<String> {
     let warn = |(column, step): (usize, f64)| {
         let others = source.names.iter().enumerate();
         let others: Vec<&str> = others
@@ -305,7 +305,7 @@ fn short_of_references(spectrum: &DataSpectrum) -> Option<String> {
 
 /// Warning about columns whose values fill a full turn and jump by more than half of it. Wrapping
 /// an angle separates neighbours.
-fn wrapped(source: &Table) -> Option<String> {
+fn wrapped(source: &NumberTable) -> Option<String> {
     const TURNS: [(f64, &str); 2] = [(2.0 * PI, "2π"), (360.0, "360")];
     let gap = (MISSED_ENDS / source.rows() as f64).min(MISSED_PART);
     source.names.iter().enumerate().find_map(|(column, name)| {

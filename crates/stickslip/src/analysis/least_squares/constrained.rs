@@ -88,7 +88,7 @@ impl<P> Iterate<P> {
 }
 
 /// The linear model around a point, in scaled variables that can move.
-struct Eliminated {
+struct ReducedModel {
     free: Vec<usize>,
     /// Derivatives of data and constraints.
     of_data: Matrix,
@@ -99,7 +99,7 @@ struct Eliminated {
     null: Matrix,
 }
 
-impl Eliminated {
+impl ReducedModel {
     fn of<P>(here: &Iterate<P>, scale: &Vector, free: Vec<usize>) -> Self {
         let rows = here.data_rows();
         let mut scaled = Matrix::zeros(here.values.len(), free.len());
@@ -109,7 +109,7 @@ impl Eliminated {
         let of_constraints = scaled.rows_range(rows..).into_owned();
         let basis = full_basis(&of_constraints);
         let rank = of_constraints.nrows().min(free.len());
-        Eliminated {
+        ReducedModel {
             of_data: scaled.rows(0, rows).into_owned(),
             data: here.values.rows(0, rows).into_owned(),
             range: basis.columns(0, rank).into_owned(),
@@ -264,16 +264,16 @@ impl<F> Minimisation<'_, F> {
         }
     }
 
-    fn eliminated<P>(&self, here: &Iterate<P>, scale: &Vector, fixed: &[usize]) -> Eliminated {
+    fn eliminated<P>(&self, here: &Iterate<P>, scale: &Vector, fixed: &[usize]) -> ReducedModel {
         let free = (0..here.x.len()).filter(|k| !fixed.contains(k));
-        Eliminated::of(here, scale, free.collect())
+        ReducedModel::of(here, scale, free.collect())
     }
 
     /// A point moved by a step of the scaled variables.
     fn moved<P>(
         &self,
         from: &Iterate<P>,
-        model: &Eliminated,
+        model: &ReducedModel,
         step: &Vector,
         scale: &Vector,
     ) -> Vector {
@@ -288,7 +288,7 @@ impl<F> Minimisation<'_, F> {
     fn stuck<P>(
         &self,
         here: &Iterate<P>,
-        model: &Eliminated,
+        model: &ReducedModel,
         to: &Vector,
     ) -> impl Iterator<Item = usize> {
         let is_stuck = |&&k: &&usize| {
