@@ -94,6 +94,55 @@ impl Graph {
         Ok(derivatives[root.index()])
     }
 
+    /// Whether a number keeps distances of these states: its slope along each is 0, 1 or −1, one
+    /// of which conditions may choose.
+    ///
+    /// # Errors
+    /// As [`Graph::along`].
+    pub fn keeps_distances(
+        &mut self,
+        root: Id,
+        states: impl Iterator<Item = usize>,
+    ) -> Result<bool, NotANumber> {
+        let one = self.constant(1.0)?;
+        for state in states {
+            let along = |input| (input == GraphInput::State(state)).then_some(one);
+            let slope = self.along(root, along)?;
+            if slope.is_some_and(|slope| !self.is_unit(slope)) {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Whether a number is 0, 1 or −1 in every case.
+    fn is_unit(&self, id: Id) -> bool {
+        match self.node(id) {
+            Node::Constant(_) => self
+                .value(id)
+                .is_some_and(|value| value.abs() == 1.0 || value == 0.0),
+            Node::Negative(a) | Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => {
+                self.is_unit(a)
+            }
+            Node::Sum(a, b) | Node::Difference(a, b) => {
+                self.exclude_each_other(a, b) && self.is_unit(a) && self.is_unit(b)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether one of two numbers is zero, by a condition and its opposite.
+    fn exclude_each_other(&self, a: Id, b: Id) -> bool {
+        match (self.node(a), self.node(b)) {
+            (Node::WherePositive(one, _), Node::WhereNotPositive(other, _))
+            | (Node::WhereNotPositive(one, _), Node::WherePositive(other, _)) => one == other,
+            (Node::WherePositive(one, _), Node::WherePositive(other, _)) => {
+                self.node(one) == Node::Negative(other) || self.node(other) == Node::Negative(one)
+            }
+            _ => false,
+        }
+    }
+
     /// Whether a number is a smooth function of its inputs: without absolute values, bounds,
     /// conditions and curves.
     pub fn is_smooth(&self, root: Id) -> bool {

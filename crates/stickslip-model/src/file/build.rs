@@ -457,14 +457,19 @@ fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
 }
 
 /// The states that jumps set to isolated values: to expressions of constants and such states, of
-/// which a condition may choose one.
-fn discrete(file: &SystemFile, graph: &Graph, sets: &[Vec<Id>]) -> Vec<bool> {
+/// which a condition may choose one. They keep distances: repeated, another factor would make a
+/// continuum of neighbours that approach each other or part.
+fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete = constant_between_jumps(file);
     loop {
-        let is_held = |state: usize| {
+        let mut is_held = |state: usize| {
             let varies = |of: usize| discrete.get(of) != Some(&true);
-            let depends = |set: &Vec<Id>| !graph.is_isolated_from(set[state], varies);
-            discrete[state] && sets.iter().any(depends)
+            discrete[state]
+                && sets.iter().any(|set| {
+                    let others = (0..discrete.len()).filter(|&other| discrete[other]);
+                    !graph.is_isolated_from(set[state], varies)
+                        || !graph.keeps_distances(set[state], others).unwrap_or(false)
+                })
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {
             Some(state) => discrete[state] = false,

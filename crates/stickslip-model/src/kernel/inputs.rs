@@ -623,8 +623,16 @@ impl<const N: usize> Jumps<N> for Switching {
     }
 
     fn kinks(&self, input: usize, t: f64, x: &[f64]) -> bool {
-        let near = KINK_TIME_ULPS * f64::EPSILON * t.abs().max(f64::MIN_POSITIVE / f64::EPSILON);
         let input = &self.inputs[input];
+        // The rounding of a clock that has a phase does not vanish with the time.
+        let (reading, rate) = input.reading_and_rate(t, x);
+        let of_clock = match input.shape {
+            Shape::Sign => 0.0,
+            _ if rate == 0.0 => 0.0,
+            _ => (1.0 + reading.abs()) / rate.abs(),
+        };
+        let size = t.abs().max(of_clock).max(f64::MIN_POSITIVE / f64::EPSILON);
+        let near = KINK_TIME_ULPS * f64::EPSILON * size;
         input.held(t - near, x) != input.held(t + near, x)
     }
 

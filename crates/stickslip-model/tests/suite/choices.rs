@@ -62,6 +62,59 @@ fn a_state_that_choices_set_to_isolated_values_is_discrete() {
 }
 
 /// Each comparison, at smaller, equal and larger numbers.
+/// A memory that each period multiplies by a factor: its neighbours approach it or part.
+#[test]
+fn a_state_that_is_multiplied_has_neighbours_and_a_multiplier() {
+    for (set, factor) in [
+        ("1.5*u", 1.5),
+        ("a*u", -0.4),
+        ("0.5*u + b*x", 0.5),
+        ("u*a*a", 0.16),
+    ] {
+        let text = format!(
+            "name = \"memory\"\n[time]\nperiod = 1\n[states]\nx = \"\"\n[discrete]\nu = 0\n\
+             [parameters]\na = -0.4\nb = 0\n[jumps.set]\nwhen = \"cos(2*pi*t)\"\n\
+             direction = \"falling\"\nset = {{ u = \"{set}\" }}\n\
+             [field]\nx = \"-x + u + sin(2*pi*t)\"\n[start]\nx = 0.1\n"
+        );
+        let system = system(&text);
+        let options = options("taylor");
+        let orbit = orbit(&system, &options);
+        let found = multipliers(&system.dynamics(), &orbit, &options).unwrap();
+        let is_one = |wanted: f64| {
+            let off = |one: &stickslip::analysis::Multiplier| (one.value - wanted).norm();
+            found.iter().any(|one| off(one) < 1e-9)
+        };
+        assert!(
+            is_one(factor) && is_one((-1.0_f64).exp()),
+            "{set}: {found:?}"
+        );
+    }
+    let counted = |set: &str| {
+        let text = BALL.replace("n + 1", set);
+        assert_ne!(text, BALL);
+        system(&text).built.switching.discrete[2]
+    };
+    for set in [
+        "n - 1",
+        "1 - n",
+        "if(n > 3, 0, n + 1)",
+        "abs(n - 2)",
+        "max(n, 3)",
+        "if(n > 1, -n, n)",
+    ] {
+        assert!(counted(set), "{set}");
+    }
+    for set in [
+        "2*n",
+        "n*n",
+        "max(n, 0) + max(n - 1, 0)",
+        "if(n > 1, 0.5*n, n)",
+    ] {
+        assert!(!counted(set), "{set}");
+    }
+}
+
 #[test]
 fn comparisons_hold_as_they_are_written() {
     for (comparison, holds) in [

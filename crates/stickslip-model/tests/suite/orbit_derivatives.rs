@@ -2,7 +2,7 @@
 
 use stickslip::analysis::{PeriodicOrbit, multipliers, periodic_orbit, periodic_orbit_forced};
 use stickslip::dynamics::Moment;
-use stickslip::math::ln;
+use stickslip::math::{exp, ln};
 use stickslip::nalgebra::Complex;
 use stickslip::scalar::Dual;
 use stickslip::{Error, Mode, Options, Scalar, Side};
@@ -171,6 +171,30 @@ fn an_extreme_at_the_kink_of_an_input_moves_with_it() {
             close(found.multipliers[k][0].re, multiplier, 1e-6, &what);
         }
         assert_eq!(found.orbit.period, [0.0, 1.0]);
+    }
+}
+
+/// A pulse of the width w from the phase on: the largest value is `(1 - e^(-wT))/(1 - e^(-T))`, where
+/// the pulse ends. The phase only shifts the time.
+#[test]
+fn an_extreme_at_a_kink_behind_the_start_moves_with_it() {
+    let period = 1.1;
+    for method in METHODS {
+        for phase in (0..30).map(|k| 0.01 * f64::from(k)) {
+            let system = system(&format!(
+                "name = \"case\"\n[time]\nperiod = {period}\n[states]\nx = \"\"\n[parameters]\n\
+                 w = 0.3\nph = {phase}\n[inputs.p]\nshape = \"pulse\"\nperiod = {period}\n\
+                 width = \"w\"\nphase = \"ph\"\n[field]\nx = \"-x + p\"\n[start]\nx = 0.1\n"
+            ));
+            let options = options(method);
+            let orbit = orbit(&system, &options);
+            let found = slopes(&system, &["w", "ph"], &orbit, &options);
+            let largest = &found.orbit.extremes[0][1];
+            let slope = period * exp(-0.3 * period) / (1.0 - exp(-period));
+            let what = format!("{method}, {phase}");
+            close(largest.by[0], slope, 1e-9, &what);
+            close(largest.by[1], 0.0, 1e-9, &what);
+        }
     }
 }
 

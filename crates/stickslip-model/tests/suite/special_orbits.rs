@@ -338,3 +338,81 @@ fn a_branch_of_twice_the_period_ends_in_a_flip_of_its_half() {
     let rows = between.special_rows(&system(&text));
     assert_eq!([0, 1].map(|k| rows[k].name.as_str()), ["flip", "flip"]);
 }
+
+/// Fixed points of a map by a clock are the lemniscate `(x² + r²)² = 2(r² - x²)`. Its two loops cross
+/// at `r = 0`; the map has flips where its slope is −1.
+const LEMNISCATE: &str = r#"
+name = "lemniscate"
+[time]
+period = 1
+[states]
+x = ""
+[parameters]
+r = 0.8
+[jumps.map]
+when = "cos(2*pi*t)"
+direction = "falling"
+set = { x = "x - 0.5*((x*x + r*r)^2 - 2*(r*r - x*x))" }
+[field]
+x = "0"
+[start]
+x = 0.5
+"#;
+
+#[test]
+fn branches_of_a_lemniscate_begin_and_end_where_its_closed_form_says() {
+    // The slope is −1 at x = 1/2 and at x = 0.376…, by Newton's method on both equations.
+    let flips = [3.0_f64.sqrt() / 2.0, 1.231_879_249_634_290_8];
+    let is_flip = |r: f64, uncertainty: f64| {
+        let off = |flip: &f64| (r.abs() - flip).abs();
+        flips.iter().any(|flip| off(flip) <= uncertainty.max(1e-11))
+    };
+    for step in [0.02, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3] {
+        let system = system(LEMNISCATE);
+        let orbit = of_one_period(&system);
+        let found = side_branches(&system, &orbit, ("r", -2.0, 2.0), step);
+        let mut doubled = 0;
+        for (at, branches) in &found {
+            match at.what {
+                CycleBifurcation::Fold => {
+                    assert!((at.parameter.abs() - 2.0_f64.sqrt()).abs() < 1e-6)
+                }
+                CycleBifurcation::BranchPoint => {
+                    assert!(at.parameter.abs() <= at.uncertainty, "{step}: {at:?}");
+                }
+                CycleBifurcation::Flip => {
+                    assert!(is_flip(at.parameter, at.uncertainty), "{step}: {at:?}");
+                }
+                ref other => panic!("{step}: {other:?}"),
+            }
+            for branch in branches {
+                for special in &branch.special {
+                    let is_known = match special.what {
+                        CycleBifurcation::Fold => {
+                            (special.parameter.abs() - 2.0_f64.sqrt()).abs() < 1e-6
+                        }
+                        CycleBifurcation::BranchPoint => {
+                            special.parameter.abs() <= special.uncertainty
+                        }
+                        CycleBifurcation::Flip if at.what == CycleBifurcation::Flip => true,
+                        CycleBifurcation::Flip => is_flip(special.parameter, special.uncertainty),
+                        _ => false,
+                    };
+                    assert!(is_known, "{step}: {special:?} on the branch from {at:?}");
+                }
+                if at.what == CycleBifurcation::Flip {
+                    let Stop::Flip {
+                        parameter,
+                        uncertainty,
+                    } = branch.stop
+                    else {
+                        panic!("{step}: {:?} of the branch from {at:?}", branch.stop);
+                    };
+                    assert!(is_flip(parameter, uncertainty), "{step}: {:?}", branch.stop);
+                    doubled += 1;
+                }
+            }
+        }
+        assert!(doubled >= 2, "{step}: {found:?}");
+    }
+}

@@ -260,7 +260,9 @@ impl Extremes {
             step.t_start + part * (step.t_end - step.t_start)
         };
         let moment = |t: f64| Moment { t, x: solution(t) };
-        let velocity = |at: &Moment| velocity_in(system, step.mode, at);
+        // Inputs hold their values up to the step's end, where they may kink.
+        let flow = system.flow_held(step.mode, &step.end(), step.t_start);
+        let velocity = |at: &Moment| flow.velocity(at);
         let inside = (1..PARTS_PER_STEP).map(|part| moment(time(part)));
         let begin = std::iter::once(step.start());
         let samples: Vec<Moment> = begin.chain(inside).chain([step.end()]).collect();

@@ -8,6 +8,7 @@ use crate::analysis::cycle::{
     Cycle, LocatedZero, Path, SAFETY, Shooting, SolutionFunction, with_last_digits,
 };
 use crate::analysis::lagrange::weights;
+use crate::dynamics::Vector;
 
 impl Continuation<'_> {
     /// Continues to an orbit on the line, and records the special orbits before it, by their
@@ -43,12 +44,22 @@ impl Continuation<'_> {
         // that of the parabola through both orbits with the tangent at the other one.
         let chord = (parameter_of(&next) - self.parameter()) / length;
         let is_undetermined = self.begins_on_other && self.branch.points.len() == 1;
+        // The orbits beyond a flip of the half are those before it, run through from the other half.
+        let end = flip.as_ref().map_or(&next, |flip| &flip.solution);
+        let place_of_end = line.place(end);
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
-            let Some(b) = function(&next) else {
+            let Some(b) = function(end) else {
                 continue;
+            };
+            // The determinant has its simple zero at the meeting, too.
+            let begin = if kind == 1 && is_undetermined {
+                0.5 * length
+            } else {
+                0.0
             };
             let a = match kind {
                 0 if is_undetermined => Some(2.0 * chord - b),
+                1 if is_undetermined => line.on(&shooting, begin).as_ref().and_then(border),
                 _ => function(&self.branch.last),
             };
             let Some(a) = a else {
@@ -57,12 +68,18 @@ impl Continuation<'_> {
             if a * b >= 0.0 {
                 continue;
             }
-            let Some(zero) = self.zero(line, [(0.0, a), (length, b)], function) else {
+            let Some(zero) = self.zero(line, [(begin, a), (place_of_end, b)], function) else {
                 continue;
             };
             // Where the neighbouring orbits do not resolve the zero, the tangent is undetermined.
             let off = |one: &Cycle| (parameter_of(one) - zero.parameter).abs();
-            let is_resolved = zero.uncertainty < off(&self.branch.last).max(off(&next));
+            let from_last = off(&self.branch.last);
+            let farthest = if is_undetermined {
+                from_last
+            } else {
+                from_last.max(off(&next))
+            };
+            let is_resolved = zero.uncertainty < farthest;
             if kind == 0 && !is_resolved {
                 continue;
             }
@@ -128,7 +145,13 @@ impl Continuation<'_> {
             return None;
         }
         let direction = behind.normalize();
-        let part = |one: &Cycle| Some(one.halves()?.dot(&direction));
+        // An orbit of equal halves is one of the other branch.
+        let part = |one: &Cycle| {
+            let halves = one
+                .halves()
+                .filter(|halves| halves.amax() > one.closes_to)?;
+            Some(halves.dot(&direction))
+        };
         let (a, b) = (part(last)?, part(next)?);
         if !is_resolved || a >= 0.0 {
             return None;
@@ -181,18 +204,14 @@ impl Continuation<'_> {
         let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
         let rough = direct.as_ref().map_or(secant, |zero| zero.s);
         let interpolated = self.interpolated_from_afar(line, (b.0 - a.0, rough), function, precise);
-        let (Some(direct), Some(interpolated)) = (&direct, &interpolated) else {
-            return direct.or(interpolated);
-        };
-        let is_better =
-            interpolated.uncertainty < direct.uncertainty || direct.uncertainty.is_nan();
-        let best = if is_better { interpolated } else { direct };
-        Some(LocatedZero {
-            parameter: best.parameter,
-            uncertainty: best.uncertainty,
-            solution: direct.solution.clone(),
-            ..*direct
-        })
+        match (direct, interpolated) {
+            (Some(direct), Some(interpolated)) => {
+                let is_better = interpolated.uncertainty < direct.uncertainty;
+                let is_better = is_better || direct.uncertainty.is_nan();
+                Some(if is_better { interpolated } else { direct })
+            }
+            (direct, interpolated) => direct.or(interpolated),
+        }
     }
 
     /// [`Continuation::interpolated`], with the parameter from orbits ever farther away, as long as
@@ -274,13 +293,30 @@ impl Continuation<'_> {
         let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
         let (of_polynomial, of_rounding) = (off(fewer[0]), off(fewer[1]));
+        let solution = self.interpolated_orbit(&all, s);
         let zero = LocatedZero {
             s,
             parameter,
-            solution: nearest.cycle.clone(),
+            solution: solution.unwrap_or_else(|| nearest.cycle.clone()),
             uncertainty: of_polynomial + of_rounding + of_steps,
         };
         Some((zero, of_polynomial))
+    }
+
+    /// The orbit at a place, by the polynomial through the unknowns of the nodes: Newton's method
+    /// cannot compute it where its matrix is singular.
+    fn interpolated_orbit(&self, nodes: &[&Node], s: f64) -> Option<Cycle> {
+        let places: Vec<f64> = nodes.iter().map(|node| node.s).collect();
+        let outline = &nodes.first()?.cycle.outline;
+        let mut unknowns = Vector::zeros(outline.unknowns().len());
+        for (weight, node) in weights(&places, s).into_iter().zip(nodes) {
+            let of_node = node.cycle.outline.unknowns();
+            if of_node.len() != unknowns.len() {
+                return None;
+            }
+            unknowns += of_node * weight;
+        }
+        self.shooting.evaluated(&outline.with(&unknowns))
     }
 
     /// An uncertainty, with what rounding leaves of a parameter's last digits. Where it
