@@ -148,6 +148,19 @@ fn traced<const N: usize, const K: usize>(
     tape.filter(|_| !FAILED.get())
 }
 
+/// The formula of a function that may have no result; `None` if it branches on values.
+fn traced_if_any<const N: usize>(
+    function: impl FnOnce(Symbol, &[Symbol; N]) -> Option<Symbol>,
+) -> Option<Option<Tape>> {
+    let mut is_any = false;
+    let tape = traced(|t, x| {
+        let made = function(t, x);
+        is_any = made.is_some();
+        [made.unwrap_or(t)]
+    });
+    tape.map(|tape| is_any.then_some(tape))
+}
+
 /// A system as formulas; `None` if its functions branch on values.
 ///
 /// ```
@@ -180,17 +193,12 @@ pub fn trace<S: Filippov<N>, const N: usize>(system: &S) -> Option<TapedFilippov
     let holding = |side| traced(|t, x| system.holding(side, t, x));
     let field = [field(Side::Below)?, field(Side::Above)?];
     let holding = [holding(Side::Below)?, holding(Side::Above)?];
-    let mut has_contact = false;
-    let force = traced(|t, x: &[Symbol; N]| {
-        let force = system.contact(t, x);
-        has_contact = force.is_some();
-        [force.unwrap_or(t)]
-    })?;
     Some(TapedFilippov {
-        dimension: N,
+        dimension: system.dimension(),
         holding: (holding != field).then_some(holding),
         field,
         boundary: traced(|t, x: &[Symbol; N]| [system.boundary(t, x)])?,
-        normal_force: has_contact.then_some(force),
+        normal_force: traced_if_any(|t, x: &[Symbol; N]| system.contact(t, x))?,
+        period: traced_if_any(|_, x: &[Symbol; N]| system.period(x))?,
     })
 }

@@ -100,8 +100,9 @@
 //! # What to use
 //! Systems are run from the crate's root:
 //! - **Systems**: [`Filippov`], or [`Contacts`] in [`Several`], written for any [`Scalar`] with
-//!   [`Side`] and [`Mode`]. [`Unchecked`] leaves out the check of parameters. A start is a
-//!   [`State`], which has [`components`], or anything else that is [`IntoState`].
+//!   [`Side`] and [`Mode`]. A [`Family`] is a function of constants, and a [`Member`] one of its
+//!   systems, in which constants can be free. [`Unchecked`] leaves out the check of parameters. A
+//!   start is a [`State`], which has [`components`], or anything else that is [`IntoState`].
 //! - **Runs**: [`solve`] stores an [`Orbit`] with every [`Phase`], [`Transition`]
 //!   ([`TransitionKind`]) and [`StepRecord`], or returns a [`Failure`]. [`run`] reports them to
 //!   an [`Observer`]. [`Integration`] takes single steps and returns [`Progress`]. [`ensemble`]
@@ -248,6 +249,7 @@ mod dual;
 mod duals;
 pub mod dynamics;
 pub mod error;
+mod family;
 mod filippov;
 mod interval;
 pub mod math;
@@ -262,6 +264,7 @@ mod taylor;
 pub use nalgebra;
 
 pub use error::Error;
+pub use family::{Family, Member};
 pub use filippov::{
     AbsoluteTolerance, AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord,
     EventSearch, Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents,

@@ -177,12 +177,19 @@ pub trait Filippov<const N: usize> {
         None
     }
 
-    /// Number of components of the state that the functions use: the first ones. Those beyond, in a
-    /// type with more room than the system needs, are constant and affect nothing. Derivatives by
-    /// them are not taken.
+    /// Number of components of the state that move: the first ones. Those beyond have the rate
+    /// zero, as parameters, and are exact: they enter no error, so that an orbit has the bits of
+    /// the same orbit with constants in their place.
     #[inline(always)]
     fn dimension(&self) -> usize {
         N
+    }
+
+    /// Period of the drive, where it depends on components that do not move; it uses no others.
+    /// Branches of forced orbits follow it.
+    #[inline(always)]
+    fn period<T: Scalar>(&self, _x: &[T; N]) -> Option<T> {
+        None
     }
 
     /// Checks the parameters, once before every run: a negative mass gives a message and not an
@@ -228,6 +235,9 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     #[inline(always)]
     fn dimension(&self) -> usize {
         (**self).dimension()
+    }
+    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
+        (**self).period(x)
     }
     fn check_parameters(&self) -> Result<(), Error> {
         (**self).check_parameters()
@@ -289,5 +299,8 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
     #[inline(always)]
     fn dimension(&self) -> usize {
         self.0.dimension()
+    }
+    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
+        self.0.period(x)
     }
 }

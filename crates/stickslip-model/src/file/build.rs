@@ -4,14 +4,12 @@ use std::sync::Arc;
 
 use stickslip::error::readable;
 
-use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
+use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope};
 use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::template::Template;
 use super::{Formula, InputShape, Rate, StopEvent, SystemFile};
-use crate::expression::{
-    Binary, Expression, ExpressionKind, Graph, HeldNumbers, Id, NotANumber, Tape, Test, TooLarge,
-};
+use crate::expression::{Expression, ExpressionKind, Graph, HeldNumbers, Id, Tape, Test, TooLarge};
 use crate::kernel::{
     Choice, Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching,
     pulse,
@@ -41,6 +39,8 @@ pub struct Built {
     pub t_end: Option<f64>,
     /// Period in time.
     pub period: Option<f64>,
+    /// The same, where it depends on free parameters.
+    pub free_period: Option<Tape>,
     /// Whether a field or boundary depends on time.
     pub depends_on_time: bool,
     /// Jumps and inputs.
@@ -178,7 +178,7 @@ pub(super) fn formula(
     formula: &Formula,
 ) -> Result<TapeBuild, Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, free, &mut graph)?;
+    let inputs = Inputs::free(values, free);
     let tape = alone(file, (&mut graph, inputs), formula, "what is observed")?;
     Ok(TapeBuild::new(graph, tape))
 }
@@ -193,7 +193,7 @@ pub(super) fn section(
     function: &Formula,
 ) -> Result<SectionBuild, Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, NONE_FREE, &mut graph)?;
+    let inputs = Inputs::fixed(values);
     let tape = alone(file, (&mut graph, inputs), function, SECTION)?;
     Ok(SectionBuild::Alone(TapeBuild::new(graph, tape)))
 }
@@ -504,7 +504,7 @@ pub(super) fn frictions_add(
         return Ok(false);
     }
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, free, &mut graph)?;
+    let inputs = Inputs::free(values, free);
     let all = (1 << file.contacts.len()) - 1;
     let mut sided = vec![0_usize; file.field.len()];
     for held in [0, all] {
@@ -528,7 +528,7 @@ pub(super) fn field(
     of: Combination,
 ) -> Result<(TapeBuild, bool), Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, free, &mut graph)?;
+    let inputs = Inputs::free(values, free);
     let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
     let tape = tape(file, &graph, &rates, inputs)?;
@@ -544,41 +544,6 @@ pub(super) fn tape(
     let states = file.states.len() + inputs.count_free() + HELD_PER_INPUT * file.inputs.len();
     let too_large = |error: TooLarge| Problem::new(error.to_string(), 0..0);
     Tape::new(graph, roots, states).map_err(too_large)
-}
-
-/// Parameters and time, of which some parameters are free.
-pub(super) fn inputs<'a>(
-    file: &SystemFile,
-    values: &'a [f64],
-    free: Freed,
-    graph: &mut Graph,
-) -> Result<Inputs<'a>, Problem> {
-    let inputs = Inputs::free(values, free);
-    if !free.scales_time {
-        return Ok(inputs);
-    }
-    Ok(inputs.paced(pace(file, inputs, values, graph)?))
-}
-
-/// Rate of the file's time in scaled time such that the period stays what it is for these values;
-/// `None` if it depends on no free parameter.
-fn pace(
-    file: &SystemFile,
-    inputs: Inputs<'_>,
-    values: &[f64],
-    graph: &mut Graph,
-) -> Result<Option<Id>, Problem> {
-    let (Some(formula), Some(period)) = (&file.time.period, period(file, values, graph)?) else {
-        return Ok(None);
-    };
-    let scope = Scope::NoSides("a period");
-    let free = Builder::new(file, inputs, graph, scope).formula(formula)?;
-    if graph.is_held(free) {
-        return Ok(None);
-    }
-    let pace = graph.binary(Binary::Quotient, free, period);
-    let wrong = |error: NotANumber| no_number(error, formula.whole());
-    pace.map_err(wrong).map(Some)
 }
 
 /// The period in time, which is positive; `None` if the file has none.

@@ -69,7 +69,7 @@ impl System {
             name: "observable".to_owned(),
             text: text.to_owned(),
         };
-        let free = Freed::of(variables, false);
+        let free = Freed::of(variables);
         let made = Formula::parsed(text, 0..text.len(), &source)
             .and_then(|formula| self.observed_tape(free, &formula));
         let tape = made.map_err(|problem| FileError::wrong(problem, source))?;
@@ -92,7 +92,7 @@ impl System {
     /// # Errors
     /// [`FileError::Wrong`] with the fault of a formula.
     pub fn free_starts(&self, variables: &[usize]) -> Result<FreeStarts, FileError> {
-        let free = Freed::of(variables, false);
+        let free = Freed::of(variables);
         let tape = |formula: &Formula| self.observed_tape(free, formula);
         let wrong = |problem| FileError::wrong(problem, self.file.source.clone());
         let states = self.file.states.iter().map(|state| &state.start);
@@ -129,29 +129,6 @@ impl System {
         let mut out = [Dual::constant(0.0)];
         tape.evaluate(Dual::constant(0.0), &all, &mut out);
         out[0]
-    }
-
-    /// Derivatives of the period of the drive by the parameters `variables`; none where the file
-    /// has no period.
-    ///
-    /// # Errors
-    /// [`FileError::Wrong`] with the fault of the formula.
-    pub fn period_derivatives(&self, variables: &[usize]) -> Result<Option<Vec<f64>>, FileError> {
-        let free = Freed::of(variables, false);
-        let Some(formula) = &self.file.time.period else {
-            return Ok(None);
-        };
-        let tape = self.observed_tape(free, formula);
-        let tape = tape.map_err(|problem| FileError::wrong(problem, self.file.source.clone()))?;
-        let values: Vec<f64> = variables
-            .iter()
-            .map(|&number| self.values[number])
-            .collect();
-        let slope = |by: &usize| {
-            self.of_parameters(&tape, (variables, &values), Some(*by))
-                .eps
-        };
-        Ok(Some(variables.iter().map(slope).collect()))
     }
 
     /// Times that the tables of measured inputs cover; none without tables.

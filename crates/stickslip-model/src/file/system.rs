@@ -208,7 +208,7 @@ impl System {
         let file = Arc::clone(family.file());
         let states = file.states.len();
         let with = (sections(&file, &built), interrupt.clone());
-        let dynamics = solver(&file, &built, with, [states, 0])?;
+        let dynamics = solver(&file, &built, with, states)?;
         Ok(System {
             file,
             values,
@@ -292,45 +292,20 @@ impl System {
         Ok(System::of(of, values, built, Some(interrupt))?)
     }
 
-    /// The system with a parameter as an additional last state, for continuation. Time is scaled so
-    /// that a period that depends on the parameter keeps its present value.
-    ///
-    /// # Errors
-    /// [`SettingError::File`] if the expressions are too large with an additional state.
-    pub fn along(&self, parameter: usize) -> Result<DynamicsRef<'static>, SettingError> {
-        self.freed(Freed::of(&[parameter], true))
-    }
-
-    /// [`System::along`] with two parameters as states, of which this one is the last.
-    ///
-    /// # Errors
-    /// See [`System::along`].
-    pub fn along_both(
-        &self,
-        other: usize,
-        parameter: usize,
-    ) -> Result<DynamicsRef<'static>, SettingError> {
-        self.freed(Freed::of(&[other, parameter], true))
-    }
-
     /// The system with parameters as additional last states, in this order and at most
-    /// [`super::MOST_FREE`], for derivatives by them. Time is that of the file. An orbit that
-    /// begins with their values takes the same steps as that of this system.
+    /// [`super::MOST_FREE`], for continuation and for derivatives by them. An orbit that begins
+    /// with their values has the bits of that of this system, unless one of them is an exponent.
     ///
     /// # Errors
-    /// See [`System::along`].
+    /// [`SettingError::File`] if the expressions are too large with additional states.
     pub fn with_states_of(
         &self,
         parameters: &[usize],
     ) -> Result<DynamicsRef<'static>, SettingError> {
-        self.freed(Freed::of(parameters, false))
-    }
-
-    fn freed(&self, free: Freed) -> Result<DynamicsRef<'static>, SettingError> {
+        let free = Freed::of(parameters);
         let (built, _) = self.family.system(&self.values, free)?;
-        let parameters = free.count();
         let with = (sections(&self.file, &built), self.interrupt.clone());
-        let states = [self.states(), parameters];
+        let states = self.states() + free.count();
         Ok(solver(&self.file, &built, with, states)?)
     }
 
@@ -374,18 +349,6 @@ impl System {
                 period,
             }),
             _ => Ok(there),
-        }
-    }
-
-    /// The period in the file, if it has one, with other values of some parameters.
-    ///
-    /// # Errors
-    /// See [`SystemFile::with`].
-    pub fn period_with(&self, given: &[(&str, f64)]) -> Result<Option<f64>, SettingError> {
-        let values = self.file.values_with(self.values.clone(), given)?;
-        match self.template.period(&values) {
-            Some(period) => Ok(period),
-            None => Ok(self.family.system(&values, NONE_FREE)?.0.period),
         }
     }
 
@@ -534,7 +497,10 @@ impl System {
         }
         let of_state =
             |(i, state): (usize, &StateEntry)| given.get(i).copied().flatten().or(state.atol);
-        let each: Vec<Option<f64>> = self.file.states.iter().enumerate().map(of_state).collect();
+        // Discrete states follow those that move, and have no error.
+        let moving = self.file.states.iter().enumerate();
+        let moving = moving.filter(|(_, state)| !state.is_discrete);
+        let each: Vec<Option<f64>> = moving.map(of_state).collect();
         if each.iter().all(Option::is_none) {
             return Ok(other.into());
         }
@@ -604,24 +570,20 @@ fn sections(file: &SystemFile, built: &Built) -> Vec<SectionFunction> {
     sections.collect()
 }
 
-/// The solver for the equations of a file with these numbers of states and of parameters that are
-/// states behind them.
+/// The solver for the equations of a file with this number of states, those that are parameters
+/// among them.
 fn solver(
     file: &SystemFile,
     built: &Built,
     (sections, interrupt): (Vec<SectionFunction>, Option<Arc<Interrupt>>),
-    [moving, parameters]: [usize; 2],
+    states: usize,
 ) -> Result<DynamicsRef<'static>, FileError> {
-    let states = moving + parameters;
     let contacts = file.contacts.len();
     let switching = built.switching.clone();
     let room = switching.room();
-    let size = Size {
-        states,
-        parameters,
-        contacts,
-    };
-    let solver = dynamics(equations(built), sections, switching, size, interrupt);
+    let size = Size { states, contacts };
+    let equations = equations(file, built);
+    let solver = dynamics(equations, sections, switching, size, interrupt);
     // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
         let message = if contacts > states {
@@ -641,11 +603,13 @@ fn solver(
     })
 }
 
-fn equations(built: &Built) -> Equations {
+fn equations(file: &SystemFile, built: &Built) -> Equations {
     let Built {
         fields, boundaries, ..
     } = built;
-    let dimension = built.switching.room();
+    // Discrete states follow those that move.
+    let states = file.states.iter();
+    let dimension = states.filter(|state| !state.is_discrete).count();
     let one_contact = || {
         let both = |held: usize| {
             let tape = |above| fields.tape(Combination { above, held });
@@ -660,6 +624,7 @@ fn equations(built: &Built) -> Equations {
             },
             boundary: boundaries.clone(),
             normal_force: built.normal_force.clone(),
+            period: built.free_period.clone(),
         })
     };
     match one_contact().filter(|_| fields.contacts() <= 1) {
@@ -670,6 +635,7 @@ fn equations(built: &Built) -> Equations {
             has_static: built.has_static,
             frictions_add: built.frictions_add,
             boundaries: boundaries.clone(),
+            period: built.free_period.clone(),
         }),
     }
 }

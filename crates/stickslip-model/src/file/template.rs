@@ -13,7 +13,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 use stickslip::error::readable;
 
 use super::build::{self, Built, SectionBuild, TapeBuild};
-use super::builder::Freed;
+use super::builder::{Freed, Inputs};
 use super::formulas::Formulas;
 use super::problem::Problem;
 use super::{FileError, Formula, SystemFile};
@@ -40,6 +40,7 @@ pub(super) struct Template {
     held: Arc<HeldNumbers>,
     boundaries: Tape,
     normal_force: Option<Tape>,
+    free_period: Option<Tape>,
     switching: Switching,
     sections: Vec<SectionBuild>,
     constants: Arc<Constants>,
@@ -57,8 +58,7 @@ struct Constants {
 
 impl Template {
     /// Builds a file with these values of the parameters. The `free` parameters become states with
-    /// zero rates, after those of the file. Time is scaled so that the period, if there is one,
-    /// stays what it is for the given values.
+    /// zero rates, after those of the file.
     ///
     /// # Errors
     /// [`Problem`] if a constant part of an expression is not a finite number, or an expression is
@@ -70,7 +70,7 @@ impl Template {
     ) -> Result<Template, Problem> {
         let (mut graph, mut numbers) = (Graph::new(), Graph::new());
         let period = build::period(file, values, &mut numbers)?;
-        let inputs = build::inputs(file, values, free, &mut graph)?;
+        let inputs = Inputs::free(values, free);
         let contacts = file.contacts.len();
         let has_static = file
             .contacts
@@ -100,6 +100,9 @@ impl Template {
         let mut forces = forces.collect::<Result<Vec<_>, _>>()?;
         // Of several contacts, friction alone vanishes with it.
         let normal_force = forces.pop().filter(|_| contacts == 1);
+        let free_period = file.time.period.as_ref().filter(|_| free.count() > 0);
+        let free_period = free_period.map(|period| alone(period, "a period"));
+        let free_period = free_period.transpose()?;
         let sections = file.sections.iter();
         let sections = sections.map(|section| {
             let tape = alone(&section.function, build::SECTION)?;
@@ -146,6 +149,7 @@ impl Template {
             held: Arc::new(graph.into_held_numbers()),
             boundaries,
             normal_force,
+            free_period: free_period.filter(|period| !period.is_constant()),
             switching,
             sections,
             constants: Arc::new(constants),
@@ -175,6 +179,7 @@ impl Template {
                 .normal_force
                 .as_ref()
                 .map(|force| force.with_held(&held)),
+            free_period: self.free_period.as_ref().map(|tape| tape.with_held(&held)),
             sections: sections
                 .map(|section| section.bound(values, &held))
                 .collect::<Option<_>>()?,
@@ -185,13 +190,6 @@ impl Template {
             depends_on_time: self.depends_on_time,
             switching: self.switching.with_held(&held),
         })
-    }
-
-    /// The period in time for these values of the parameters, if the file has one; `None` if a
-    /// build with them would decide otherwise.
-    pub(super) fn period(&self, values: &[f64]) -> Option<Option<f64>> {
-        let numbers = self.constants.held.of(values)?;
-        Some(self.constants.period.and_then(|period| period.of(&numbers)))
     }
 
     /// The fields for these values of the parameters: now of the combinations that are checked

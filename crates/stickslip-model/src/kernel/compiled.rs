@@ -11,11 +11,10 @@ use super::system::{Equations, OwnSections, SectionFunction, TapedContacts, Tape
 /// Number of functions whose zeros end a mode of a system with one contact.
 const GUARDS: usize = 3;
 
-/// Numbers of states, of which the last may be parameters, and of contacts.
+/// Numbers of states, with discrete ones and parameters that are states, and of contacts.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
     pub states: usize,
-    pub parameters: usize,
     pub contacts: usize,
 }
 
@@ -54,11 +53,7 @@ fn of_one_contact(system: TapedFilippov, extras: Extras, size: Size) -> Option<B
         let (states, contacts) = (size.states, size.contacts);
         let typed =
             Typed::<_, TapedFilippov, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
-        Box::new(
-            typed
-                .with_parameters(size.parameters)
-                .interrupted_by(interrupt),
-        )
+        Box::new(typed.interrupted_by(interrupt))
     }
     let room = extras.1.room();
     Some(match room {
@@ -85,11 +80,7 @@ fn of_many_contacts(
         let system = (Several(system), sections, switching);
         let (states, contacts) = (size.states, size.contacts);
         let typed = Typed::<_, Several<_>, _, _, Switching, N, M>::padded(system, states, contacts);
-        Box::new(
-            typed
-                .with_parameters(size.parameters)
-                .interrupted_by(interrupt),
-        )
+        Box::new(typed.interrupted_by(interrupt))
     }
     let room = extras.1.room();
     Some(match (room, size.contacts) {

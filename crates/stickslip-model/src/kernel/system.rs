@@ -10,7 +10,7 @@ use crate::expression::Tape;
 /// A system with one contact and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct TapedFilippov {
-    /// Number of states, with what inputs hold.
+    /// Number of states that move.
     pub dimension: usize,
     /// The field of each side, [`Side::Below`] first.
     pub field: [Tape; 2],
@@ -20,6 +20,8 @@ pub struct TapedFilippov {
     pub boundary: Tape,
     /// The normal force, if contact can be lost.
     pub normal_force: Option<Tape>,
+    /// The period of the drive, where it depends on states that are parameters.
+    pub period: Option<Tape>,
 }
 
 /// Index of a side.
@@ -61,6 +63,11 @@ impl<const N: usize> Filippov<N> for TapedFilippov {
     fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
         let [force] = values(self.normal_force.as_ref()?, t, x);
         Some(force)
+    }
+
+    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
+        let [period] = values(self.period.as_ref()?, T::zero(), x);
+        Some(period)
     }
 
     fn dimension(&self) -> usize {
@@ -229,7 +236,7 @@ impl fmt::Debug for Fields {
 /// A system with several contacts and its fields as tapes.
 #[derive(Clone, Debug)]
 pub struct TapedContacts {
-    /// Number of states, with what inputs hold.
+    /// Number of states that move.
     pub dimension: usize,
     /// The fields.
     pub fields: Fields,
@@ -239,6 +246,8 @@ pub struct TapedContacts {
     pub frictions_add: bool,
     /// The boundary functions. Functions beyond the number of contacts are never zero.
     pub boundaries: Tape,
+    /// The period of the drive, where it depends on states that are parameters.
+    pub period: Option<Tape>,
 }
 
 impl TapedContacts {
@@ -277,6 +286,11 @@ impl<const N: usize, const M: usize> Contacts<N, M> for TapedContacts {
         let mut heights = [T::one(); M];
         self.boundaries.evaluate(t, x, &mut heights);
         heights
+    }
+
+    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
+        let [period] = values(self.period.as_ref()?, T::zero(), x);
+        Some(period)
     }
 
     fn dimension(&self) -> usize {

@@ -15,8 +15,7 @@ use super::{EquilibriaOfBranch, extremes};
 use crate::file::{SettingError, System};
 use crate::kernel::{follow, ignore};
 
-/// A system along one of its parameters. In the time of [`Along::dynamics`], a period that depends
-/// on the parameter is constant.
+/// A system along one of its parameters.
 pub struct Along<'a> {
     system: &'a System,
     /// Number of the parameter.
@@ -83,7 +82,7 @@ impl<'a> Along<'a> {
             name,
             range,
             value: system.values[number],
-            dynamics: system.along(number)?,
+            dynamics: system.with_states_of(&[number])?,
         })
     }
 
@@ -126,9 +125,9 @@ impl<'a> Along<'a> {
         Ok(EquilibriaOfBranch::joined([down?, up?]))
     }
 
-    /// The curve of a special orbit of a branch in two parameters, in the time of the branch. The
-    /// system `both` has the second parameter, of some range, as the state before the own one, and
-    /// `x` is the start of [`Along::start`] with its value. `None` if no curve continues from it.
+    /// The curve of a special orbit of a branch in two parameters. The system `both` has the second
+    /// parameter, of some range, as the state before the own one, and `x` is the start of
+    /// [`Along::start`] with its value. `None` if no curve continues from it.
     ///
     /// # Errors
     /// Those of [`continue_change`].
@@ -150,28 +149,8 @@ impl<'a> Along<'a> {
         }
     }
 
-    /// A curve in the time of the file. `other` is the name of its first parameter.
-    ///
-    /// # Errors
-    /// Those of the parameters.
-    pub fn curve_in_file(&self, other: &str, mut curve: Curve) -> Result<Curve, SettingError> {
-        let pace = |[second, own]: [f64; 2]| self.pace(&[(other, second), (self.name, own)]);
-        for point in &mut curve.points {
-            let pace = pace(point.parameters)?;
-            point.period *= pace;
-            point.t *= pace;
-        }
-        for point in &mut curve.special {
-            let pace = pace(point.parameters)?;
-            point.period *= pace;
-            point.t *= pace;
-        }
-        Ok(curve)
-    }
-
-    /// The branches that begin at a flip or branch point of a branch, in the time of the branch.
-    /// Branches from their flips follow, to a depth. `x` is the start of [`Along::start`]. `None`
-    /// if none was found.
+    /// The branches that begin at a flip or branch point of a branch. Branches from their flips
+    /// follow, to a depth. `x` is the start of [`Along::start`]. `None` if none was found.
     ///
     /// # Errors
     /// Those of [`switch_branches_to`].
@@ -275,13 +254,17 @@ impl<'a> Along<'a> {
         Ok(whole(ended, orbit.period)?.x)
     }
 
-    /// An orbit in the time of the file, with minimum and maximum of each state along it.
+    /// An orbit with minimum and maximum of each state along it.
     fn described<E: From<Error> + From<SettingError>>(
         &self,
         orbit: BranchPoint,
         options: &Options,
     ) -> Result<BranchOrbit, E> {
-        let orbit = self.in_file(orbit)?;
+        let orbit = BranchPoint {
+            parameter: self.within(orbit.parameter),
+            x: self.states_of(&orbit.x),
+            ..orbit
+        };
         let system = self.system.with_values(&[(self.name, orbit.parameter)])?;
         let (start, t_end) = ((orbit.t, orbit.x.as_slice()), orbit.t + orbit.period);
         let (extremes, ended) = extremes(system.dynamics(), start, t_end, options)?;
@@ -339,44 +322,17 @@ impl<'a> Along<'a> {
         });
         let special = below.chain(above).map(|mut at| {
             at.parameter = self.within(at.parameter);
-            let pace = self.pace(&[(self.name, at.parameter)])?;
-            at.period *= pace;
             at.x = self.states_of(&at.x);
             if let CycleBifurcation::Sequence(change) = &mut at.what {
-                change.period *= pace;
                 change.x = self.states_of(&change.x);
             }
-            Ok(at)
+            at
         });
         Ok(WholeBranch {
             points: points.collect::<Result<_, E>>()?,
-            special: special.collect::<Result<_, SettingError>>()?,
+            special: special.collect(),
             first,
             stops: [down.stop, up.stop],
-        })
-    }
-
-    /// Ratio of the time of the file to the time of the branch, at values of parameters.
-    ///
-    /// # Errors
-    /// Those of the parameters.
-    pub fn pace(&self, values: &[(&str, f64)]) -> Result<f64, SettingError> {
-        let Some(here) = self.system.built.period else {
-            return Ok(1.0);
-        };
-        let there = self.system.period_with(values)?;
-        Ok(there.map_or(1.0, |there| there / here))
-    }
-
-    fn in_file(&self, orbit: BranchPoint) -> Result<BranchPoint, SettingError> {
-        let parameter = self.within(orbit.parameter);
-        let pace = self.pace(&[(self.name, parameter)])?;
-        Ok(BranchPoint {
-            parameter,
-            t: orbit.t * pace,
-            x: self.states_of(&orbit.x),
-            period: orbit.period * pace,
-            ..orbit
         })
     }
 

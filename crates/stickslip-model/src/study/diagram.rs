@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
-    Attractor, AttractorChange, Exponent, SequenceChange, StepBudget, SweepPoint, WhatChanges,
-    attractor, attractor_of_many, carried_on, is_change, locate_changes, locate_changes_within,
+    Attractor, AttractorChange, Exponent, StepBudget, SweepPoint, WhatChanges, attractor,
+    attractor_of_many, carried_on, is_change, locate_changes, locate_changes_within,
 };
 use stickslip::dynamics::{Moment, Vector};
 use stickslip::{Error, Options};
@@ -154,8 +154,7 @@ impl Diagram<'_> {
         Ok((found, changes))
     }
 
-    /// Changes of the attractor between the last value and this one. Times are those of the system
-    /// `here`, in which the period of the drive is constant.
+    /// Changes of the attractor between the last value and this one.
     fn located(
         &self,
         ends: [&AtValue; 2],
@@ -172,7 +171,9 @@ impl Diagram<'_> {
         }
         let (forcing, options) = (here.built.period, Options::tol(LOCATION_TOLERANCE));
         // The parameter is one state more, which may be one too many.
-        let along = here.along(here.file.parameter(self.parameter)?).ok();
+        let along = here
+            .with_states_of(&[here.file.parameter(self.parameter)?])
+            .ok();
         let located = along.and_then(|along| {
             let located = match budget {
                 Some(budget) => locate_changes_within(&along, &points, forcing, &options, budget),
@@ -180,25 +181,10 @@ impl Diagram<'_> {
             };
             located.ok()
         });
-        let Some(mut located) = located else {
+        let Some(located) = located else {
             let (between, what) = ((ends[0].value, ends[1].value), WhatChanges::Unlocated);
             return Ok(vec![AttractorChange { between, what }]);
         };
-        for AttractorChange { what, .. } in &mut located {
-            if let (
-                WhatChanges::Sequence(SequenceChange {
-                    parameter, period, ..
-                })
-                | WhatChanges::Multiplier {
-                    parameter, period, ..
-                },
-                Some(reference),
-            ) = (what, forcing)
-            {
-                let there = self.system.period_with(&[(self.parameter, *parameter)])?;
-                *period *= there.map_or(1.0, |there| there / reference);
-            }
-        }
         Ok(located)
     }
 }

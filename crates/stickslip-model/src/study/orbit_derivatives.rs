@@ -12,7 +12,7 @@ use stickslip::nalgebra::Complex;
 use stickslip::{Error, Options};
 
 use super::{DerivativeError, NoVariable, START_TIME, Variables, phases_of_period};
-use crate::file::{FileError, Meaning, System};
+use crate::file::{Meaning, System};
 use crate::kernel::follow;
 
 /// Relative change of the orbit, or of the parameter, over which multipliers are differenced. It is
@@ -126,22 +126,25 @@ impl OrbitVariables {
         (orbit, origin): (&PeriodicOrbit, f64),
         options: &Options,
     ) -> Result<OrbitSlopes, DerivativeError> {
-        let drive = self.drive(system, orbit)?;
+        let is_forced = system.built.depends_on_time;
+        if is_forced {
+            self.check_drive(system)?;
+        }
         let orbit = &PeriodicOrbit {
-            t: if drive.is_some() { origin } else { orbit.t },
+            t: if is_forced { origin } else { orbit.t },
             ..orbit.clone()
         };
         let values = self.parameters.iter();
         let values: Vec<f64> = values.map(|&number| system.values[number]).collect();
         let extended = system.with_states_of(&self.parameters)?;
-        let found = periodic_derivatives(&extended, orbit, &values, drive.as_deref(), options)?;
+        let found = periodic_derivatives(&extended, orbit, &values, is_forced, options)?;
         let base = Base {
             system,
             orbit,
             options,
             multipliers: multipliers(&orbit.monodromy),
             phases: phases(system, orbit, options)?,
-            periods: drive.is_some().then(|| periods(system, orbit)).flatten(),
+            periods: is_forced.then(|| periods(system, orbit)).flatten(),
         };
         let (mut of_multipliers, mut missing) = (Vec::new(), Vec::new());
         for (k, (name, value)) in self.names.iter().zip(values).enumerate() {
@@ -170,24 +173,14 @@ impl OrbitVariables {
         })
     }
 
-    /// Derivatives of the period of a forced orbit.
-    fn drive(
-        &self,
-        system: &System,
-        orbit: &PeriodicOrbit,
-    ) -> Result<Option<Vec<f64>>, DerivativeError> {
-        if !system.built.depends_on_time {
-            return Ok(None);
-        }
-        let slopes = system.period_derivatives(&self.parameters);
-        let slopes = slopes.map_err(|error: FileError| DerivativeError::Setting(error.into()))?;
-        let (Some(slopes), Some(periods)) = (slopes, periods(system, orbit)) else {
+    /// Refuses a drive without a period, and parameters that change it.
+    fn check_drive(&self, system: &System) -> Result<(), DerivativeError> {
+        if system.built.period.is_none() {
             return Err(DerivativeError::NoPeriod);
-        };
-        for name in &self.names {
-            check_drive(system, name)?;
         }
-        Ok(Some(slopes.iter().map(|slope| periods * slope).collect()))
+        self.names
+            .iter()
+            .try_for_each(|name| check_drive(system, name))
     }
 }
 

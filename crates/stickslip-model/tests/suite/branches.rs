@@ -379,6 +379,80 @@ fn a_long_branch_comes_to_its_end() {
     assert_eq!(ends(&branch), ["range", "range"]);
 }
 
+/// The block of the gallery's page on Popp's oscillator.
+const POPP: &str = r#"name = "popp"
+[states]
+x = ""
+v = ""
+[parameters]
+vb = 0.5
+[contacts.belt]
+boundary = "v - vb"
+friction = "0.3/(1 + 1.42*belt*(v - vb)) + 0.1 + 0.01*(v - vb)^2"
+[field]
+x = "v"
+v = "-x - friction(belt)"
+[start]
+x = 0
+v = 0
+"#;
+
+#[test]
+fn a_phase_that_vanishes_within_a_coarse_step_does_not_turn_the_branch() {
+    let (popp, options) = (system(POPP), options("taylor"));
+    let orbit = orbit(&popp, &options);
+    // Where the slope of the friction vanishes.
+    let slope = |v: f64| 0.02 * v * (1.0 + 1.42 * v) * (1.0 + 1.42 * v) - 0.426;
+    let (mut low, mut high) = (0.1, 3.0);
+    while high - low > 1e-13 {
+        let middle = 0.5 * (low + high);
+        *(if slope(middle) < 0.0 {
+            &mut low
+        } else {
+            &mut high
+        }) = middle;
+    }
+    let mut places: Vec<Vec<f64>> = Vec::new();
+    for step in [0.05, 0.04, 0.03, 0.02] {
+        let found = branch_through(&popp, &orbit, ("vb", 0.1, 3.0), step, &options);
+        assert_eq!(ends(&found), ["range", "equilibrium"], "{step}");
+        let Stop::Equilibrium { parameter, .. } = found.stops[1] else {
+            panic!("{:?}", found.stops);
+        };
+        assert!((parameter - high).abs() < 1e-9, "{step}: {parameter}");
+        // The field of one side is tangent to the boundary: x is the friction at rest.
+        let expected = [
+            ("switching-sliding", -0.4),
+            ("switching-sliding", -0.4),
+            ("grazing-sliding", 0.4),
+        ];
+        assert_eq!(
+            found.special.len(),
+            expected.len(),
+            "{step}: {:?}",
+            found.special
+        );
+        for (at, (name, x)) in found.special.iter().zip(expected) {
+            let CycleBifurcation::Sequence(change) = &at.what else {
+                panic!("{at:?}");
+            };
+            assert_eq!(at.what.to_string(), name, "{step}");
+            assert!((change.x[0] - x).abs() < 1e-11, "{step}: {change:?}");
+            assert!(
+                (change.x[1] - at.parameter).abs() < 1e-11,
+                "{step}: {change:?}"
+            );
+            assert!(at.uncertainty < 1e-9, "{step}: {at:?}");
+        }
+        places.push(found.special.iter().map(|at| at.parameter).collect());
+    }
+    for coarse in &places[..3] {
+        for (one, other) in coarse.iter().zip(&places[3]) {
+            assert!((one - other).abs() < 1e-9, "{places:?}");
+        }
+    }
+}
+
 /// The equilibria of a file along a parameter, through the one that the run comes to.
 fn equilibria(text: &str, (name, low, high): (&str, f64, f64)) -> (System, EquilibriaOfBranch) {
     let (system, options) = (system(text), options("taylor"));

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use numerics::SplitMix;
-use stickslip::dynamics::{Interrupt, Modes, Moment, OrbitProgress, Vector};
-use stickslip::{Error, Mode, Side};
-use stickslip_model::file::{SettingError, System, SystemFile};
+use stickslip::dynamics::{DynamicsRef, Interrupt, Modes, Moment, OrbitProgress, Vector};
+use stickslip::{Error, Mode, Options, Side};
+use stickslip_model::file::{MOST_FREE, SettingError, System, SystemFile};
 use stickslip_model::kernel::{Combination, sides_to_check};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::{AtValue, Diagram, FrictionWatch, Locates};
 
+use crate::hybrid::BUCK;
 use crate::recorded::open;
-use crate::run::{branch, options, parsed, system};
+use crate::run::{METHODS, branch, options, parsed, system};
 use crate::stops_with_friction::CORNER;
 
 /// Exponents, choices, inputs, a curve, a period and starts that depend on parameters.
@@ -255,7 +256,9 @@ fn maps_ensembles_branches_and_flags_build_nothing() {
     // A branch has the parameter as a state, which is another build.
     let found = branch(&system, ("vp", 0.9, 1.1), &options("taylor"));
     assert!(found.points.len() > 5, "{}", found.points.len());
-    system.along(system.file.parameter("vp").unwrap()).unwrap();
+    system
+        .with_states_of(&[system.file.parameter("vp").unwrap()])
+        .unwrap();
     assert_eq!(system.builds(), 2);
 }
 
@@ -263,13 +266,102 @@ fn maps_ensembles_branches_and_flags_build_nothing() {
 fn a_period_is_read_without_a_build() {
     let system = system(EVERYTHING);
     for w in [2.5, 1.1, 7.0] {
-        let built = system.with_values(&[("w", w)]).unwrap().built.period;
-        assert_eq!(system.period_with(&[("w", w)]).unwrap(), built);
-        assert!((built.unwrap() - 2.0 * std::f64::consts::PI / w).abs() < 1e-15);
+        let period = system.with_values(&[("w", w)]).unwrap().built.period;
+        assert!((period.unwrap() - 2.0 * std::f64::consts::PI / w).abs() < 1e-15);
     }
     assert_eq!(system.builds(), 1);
-    let error = system.period_with(&[("w", -1.0)]).unwrap_err().to_string();
-    assert!(error.contains("must be positive"), "{error}");
+}
+
+/// Times and first states at all reports of a run.
+fn reports(
+    system: &DynamicsRef<'_>,
+    (start, t_end): (&Moment, f64),
+    states: usize,
+    options: &Options,
+) -> Vec<(f64, Vec<f64>)> {
+    let mut reports = Vec::new();
+    let mut run = system.begin(start, t_end, options, &[]).unwrap();
+    loop {
+        let progress = run.step();
+        reports.push((run.t(), run.x()[..states].to_vec()));
+        if let Ok(OrbitProgress::End(_)) | Err(_) = progress {
+            return reports;
+        }
+    }
+}
+
+/// Where an orbit with parameters among its states is not the orbit with their values, bit for bit.
+fn differences(
+    system: &System,
+    free: &[usize],
+    ((t, x), t_end): ((f64, &[f64]), f64),
+) -> Vec<String> {
+    let along = system.with_states_of(free).unwrap();
+    let at = |parameters: &[usize]| {
+        let values = parameters.iter().map(|&number| system.values[number]);
+        let x = Vector::from_vec(x.iter().copied().chain(values).collect());
+        Moment { t, x }
+    };
+    let difference = |method: &&str| {
+        let of = |dynamics, start: &Moment| {
+            let options = options(method);
+            reports(dynamics, (start, t_end), x.len(), &options)
+        };
+        let (alone, within) = (of(system.dynamics(), &at(&[])), of(&along, &at(free)));
+        assert!(alone.len() > 10, "{}", alone.len());
+        let first = (0..alone.len()).find(|&k| alone.get(k) != within.get(k))?;
+        let [one, other] = [&alone, &within].map(|all| all.get(first));
+        let name = &system.file.name;
+        Some(format!(
+            "{name} {free:?} {method} {first}: {one:?} {other:?}"
+        ))
+    };
+    METHODS.iter().filter_map(difference).collect()
+}
+
+#[test]
+fn an_orbit_beside_free_parameters_has_the_bits_of_the_orbit_alone() {
+    let corner = corner();
+    let given = [EVERYTHING, &corner, BUCK].map(system);
+    let shipped = ["belt", "forced", "bracket", "leine", "basins", "den-hartog"].map(open);
+    let mut all = Vec::new();
+    for system in given.iter().chain(&shipped) {
+        // A power has another formula where its exponent is free.
+        let is_exponent = |number: usize| {
+            let name = &*system.file.parameters[number].name;
+            system.file.name == "everything" && ["p", "q"].contains(&name)
+        };
+        let free: Vec<usize> = (0..system.values.len())
+            .filter(|&number| !is_exponent(number))
+            .collect();
+        let many = free[..free.len().min(MOST_FREE)].to_vec();
+        for free in free.iter().map(|&number| vec![number]).chain([many]) {
+            let start = (system.built.t_start, &*system.start().unwrap());
+            let t_end = system.built.t_end.unwrap_or(20.0).min(20.0);
+            all.extend(differences(system, &free, (start, t_end)));
+        }
+    }
+    assert!(all.is_empty(), "{}", all.join("\n"));
+}
+
+#[test]
+fn an_orbit_of_a_branch_has_the_bits_of_the_orbit_alone() {
+    for (file, range) in [
+        ("belt", ("vp", 0.9, 1.1)),
+        ("den-hartog", ("O", 0.6, 0.8)),
+        ("den-hartog", ("S", 0.1, 0.3)),
+    ] {
+        let system = open(file);
+        let found = branch(&system, range, &options("taylor"));
+        for point in found.points.iter().step_by(5) {
+            let orbit = &point.orbit;
+            let here = system.with_values(&[(range.0, orbit.parameter)]).unwrap();
+            let free = here.file.parameter(range.0).unwrap();
+            let start = (orbit.t, orbit.x.as_slice());
+            let all = differences(&here, &[free], (start, orbit.t + orbit.period));
+            assert!(all.is_empty(), "{}", all.join("\n"));
+        }
+    }
 }
 
 /// A gap's rate has a factor on each side of a contact. It is one rate while the two are equal.

@@ -967,7 +967,7 @@ fn derivatives_by_a_parameter_go_with_the_kinks_that_it_moves() {
          values = [0, 2, 1]\nbetween = \"constant\"",
     ];
     for input in inputs {
-        let system = system(&by(input)).along(0).unwrap();
+        let system = system(&by(input)).with_states_of(&[0]).unwrap();
         let start = [0.1, 0.0, 0.3];
         for method in METHODS {
             let found = monodromy(&system, 0.0, start.as_slice(), 6.1, &options(method));
@@ -987,7 +987,7 @@ fn a_fold_along_the_phase_of_a_drive_is_located() {
                 shape = \"square\"\nperiod = 2\nphase = \"p\"\n[field]\n\
                 u = \"q*sin(pi*t) - 0.4 - u^2\"\n[start]\nu = 0.5\n[time]\nperiod = 2\n";
     let file = system(text);
-    let system = file.along(0).unwrap();
+    let system = file.with_states_of(&[0]).unwrap();
     // The highest state after a period, by the runs alone.
     let highest = |p: f64| {
         let gain = |u: f64| {

@@ -146,7 +146,10 @@ fn a_width_may_be_a_formula_of_parameters() {
 #[test]
 fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
     // x(T) = x e^(-T) + e^((w - 1)T) - e^(-T), with the parameter as a second state.
-    let system = read("pulse", PULSE, "u - x").unwrap().along(0).unwrap();
+    let system = read("pulse", PULSE, "u - x")
+        .unwrap()
+        .with_states_of(&[0])
+        .unwrap();
     for method in METHODS {
         let options = Options::tol(1e-13).method(method);
         for (w, t) in [(0.3_f64, 2.0_f64), (0.5, 2.0), (0.7, 3.9)] {
@@ -177,7 +180,10 @@ fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
 
 #[test]
 fn the_kinks_of_a_pulse_are_at_its_width() {
-    let system = read("pulse", PULSE, "u - x").unwrap().along(0).unwrap();
+    let system = read("pulse", PULSE, "u - x")
+        .unwrap()
+        .with_states_of(&[0])
+        .unwrap();
     let mut kinks = Vec::new();
     let mut watcher = |progress, _: &mut dyn OrbitUnderWay| {
         if let OrbitProgress::Kink(at) = progress {

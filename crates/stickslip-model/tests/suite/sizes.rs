@@ -28,8 +28,8 @@ fn system(states: usize, contacts: usize) -> Result<System, SettingError> {
 fn as_many_states_as_a_file_can_have_leave_room_for_a_parameter() {
     let most = system(64, 1).unwrap();
     assert_eq!(most.dynamics().states(), 64);
-    assert_eq!(most.along(0).unwrap().states(), 65);
-    assert_eq!(most.along_both(1, 0).unwrap().states(), 66);
+    assert_eq!(most.with_states_of(&[0]).unwrap().states(), 65);
+    assert_eq!(most.with_states_of(&[1, 0]).unwrap().states(), 66);
 }
 
 #[test]

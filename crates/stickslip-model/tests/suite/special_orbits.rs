@@ -48,7 +48,7 @@ pub fn curves(
     let value = Some(system.values[second]);
     let settings = over(low, high, 0.02);
     let (settings, x) = along.start(&orbit, &settings, options, value).unwrap();
-    let both = system.along_both(second, along.number).unwrap();
+    let both = system.with_states_of(&[second, along.number]).unwrap();
     of_each(|upwards, number| {
         let way = (orbit.period, upwards, number);
         let ranges = (&settings, (other_low, other_high));

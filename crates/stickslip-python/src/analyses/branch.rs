@@ -192,7 +192,7 @@ fn curves(
 ) -> Result<Vec<(usize, Option<Curve>)>, Failure> {
     let number = second.system.file.parameter(second.name)?;
     let value = second.system.values[number];
-    let both = second.system.along_both(number, along.number)?;
+    let both = second.system.with_states_of(&[number, along.number])?;
     let (settings, x) = along.start(orbit, settings, options, Some(value))?;
     let special = branch.special.iter().enumerate();
     let special = special.filter(|(_, at)| at.what != CycleBifurcation::BranchPoint);
@@ -200,8 +200,7 @@ fn curves(
     let curve = |k: usize| {
         let both = (&both, second.range);
         let curve = along.curve(both, (orbit.period, &x), (branch, k), &settings, options)?;
-        let in_file = |curve| along.curve_in_file(second.name, curve);
-        Ok((k, curve.map(in_file).transpose()?))
+        Ok((k, curve))
     };
     special.into_par_iter().map(curve).collect()
 }

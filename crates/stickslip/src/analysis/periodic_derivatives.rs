@@ -54,30 +54,30 @@ pub struct PeriodicDerivatives {
 /// velocity of the state is zero there, or as the event does at which the velocity changes its
 /// sign.
 ///
-/// `parameters` are their values, and `drive` has the derivatives of the period of a forced orbit.
-/// `options` are those by which the orbit was found.
+/// `parameters` are their values. The period of a forced orbit changes with that of the drive,
+/// which the system tells: [`crate::Filippov::period`]. `options` are those by which the orbit was
+/// found.
 ///
 /// ```
 /// use stickslip::analysis::{periodic_derivatives, periodic_orbit_forced};
-/// use stickslip::{Filippov, Options, Scalar, Side, math};
+/// use stickslip::{Family, Options, Scalar, Side, math};
 ///
 /// /// A state that follows a drive of strength `a`: x′ = −x + a sin t.
-/// struct Follower<const N: usize>;
-/// impl<const N: usize> Filippov<N> for Follower<N> {
-///     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; N]) -> [T; N] {
-///         let strength = if N > 1 { x[N - 1] } else { T::constant(2.0) };
-///         let mut rates = [T::zero(); N];
-///         rates[0] = strength * t.sin() - x[0];
-///         rates
+/// struct Follower;
+/// impl Family<1, 1> for Follower {
+///     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1], a: &[T; 1]) -> [T; 1] {
+///         [a[0] * t.sin() - x[0]]
 ///     }
-///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; N]) -> T {
+///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 1], _a: &[T; 1]) -> T {
 ///         T::constant(1.0)
 ///     }
 /// }
 ///
 /// let (period, options) = (2.0 * std::f64::consts::PI, Options::tol(1e-12));
-/// let orbit = periodic_orbit_forced(&Follower::<1>, 0.0, [0.0], period, &options)?;
-/// let found = periodic_derivatives(&Follower::<2>, &orbit, &[2.0], Some(&[0.0]), &options)?;
+/// let follower = Follower.at([2.0]);
+/// let orbit = periodic_orbit_forced(&follower, 0.0, [0.0], period, &options)?;
+/// let along = follower.free([0])?;
+/// let found = periodic_derivatives(&along, &orbit, &[2.0], true, &options)?;
 /// // The amplitude is a/√2.
 /// assert!((found.extremes[0][1].by[0] - 0.5_f64.sqrt()).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
@@ -92,13 +92,12 @@ pub fn periodic_derivatives<Kind>(
     system: &impl AsDynamics<Kind>,
     orbit: &PeriodicOrbit,
     parameters: &[f64],
-    drive: Option<&[f64]>,
+    is_forced: bool,
     options: &Options,
 ) -> Result<PeriodicDerivatives, Error> {
     let system = &*system.dynamics();
     let (n, count) = (orbit.x.len(), parameters.len());
-    let numbers = [n + count, n + drive.map_or(count, <[f64]>::len)];
-    if numbers != [system.states(); 2] {
+    if n + count != system.states() {
         return Err(Error::Parameter {
             name: "the number of states with their parameters",
             value: system.states() as f64,
@@ -129,12 +128,16 @@ pub fn periodic_derivatives<Kind>(
     if let Some(lost) = along.lost {
         return Err(lost);
     }
-    let (flow, velocity) = flow_derivative(system, &start, t_end, options, drive.is_none())?;
+    let drive = is_forced.then(|| match system.period(&start.x) {
+        Some((drive, slopes)) => slopes.rows(n, count) * (orbit.period / drive).round(),
+        None => Vector::zeros(count),
+    });
+    let (flow, velocity) = flow_derivative(system, &start, t_end, options, !is_forced)?;
     let solved = solved(
         &flow.matrix,
         (&velocity, &found.velocity),
         (n, count),
-        drive,
+        drive.as_ref(),
     );
     let (x, period) = solved.ok_or_else(|| missing("an orbit beside the periodic orbit"))?;
     let holds = |state: usize| !system.is_discrete(state) || x.row(state).amax() == 0.0;
@@ -159,7 +162,7 @@ fn solved(
     flow: &Matrix,
     velocities: (&Vector, &Vector),
     (n, count): (usize, usize),
-    drive: Option<&[f64]>,
+    drive: Option<&Vector>,
 ) -> Option<(Matrix, Vec<f64>)> {
     let (ends, begins) = (velocities.0.rows(0, n), velocities.1.rows(0, n));
     let unknowns = n + usize::from(drive.is_none());
@@ -186,7 +189,7 @@ fn solved(
     let found = matrix.lu().solve(&right)?;
     let is_finite = found.iter().all(|value| value.is_finite());
     let period = match drive {
-        Some(drive) => drive.to_vec(),
+        Some(drive) => drive.iter().copied().collect(),
         None => found.row(n).iter().copied().collect(),
     };
     is_finite.then(|| (found.rows(0, n).into_owned(), period))

@@ -43,9 +43,8 @@ pub(super) struct CarriedOver<'v, const N: usize> {
     pub start: f64,
     pub length: f64,
     pub vectors: &'v mut [TangentVector<N>],
-    /// Number of states of the system, and of those that are no parameters.
+    /// Number of states of the system.
     pub states: usize,
-    pub moving: usize,
     pub how: Carrying,
 }
 
@@ -64,7 +63,7 @@ impl<const N: usize> UseFlow<N> for CarriedOver<'_, N> {
     fn with<F: Flow<N>>(self, flow: &F) {
         let pieces = Pieces {
             states: self.states,
-            moving: self.moving,
+            moving: flow.dimension(),
             tolerance: self.how.tolerance,
         };
         let piece = (self.start, self.length);

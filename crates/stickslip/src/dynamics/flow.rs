@@ -167,7 +167,7 @@ where
             return (self.view.vector(&slopes), in_time);
         }
         let (gradient, in_time) =
-            self.with_flow_of_guards(GuardGradient(number, self.view.timed(at)));
+            self.with_flow_of_guards(GuardGradient(number, self.view.timed(at), self.view.states));
         (self.view.vector(&gradient), in_time)
     }
 
@@ -191,7 +191,6 @@ where
             length: step.t_end - step.t_start,
             vectors: &mut vectors,
             states: view.states,
-            moving: view.moving,
             how,
         });
         vectors.iter().map(|end| view.vector(&end.vector)).collect()

@@ -176,7 +176,7 @@ where
         let velocity = integration.velocity();
         for number in 0..self.counts.len() {
             let search = &mut self.search;
-            if !search.depends_on_state(number, &at, integration.states()) {
+            if !search.depends_on_state(number, &at, |i| self.jumps.is_constant_between_jumps(i)) {
                 continue;
             }
             let sign = search.sign_at(number, &at);

@@ -305,6 +305,9 @@ pub trait Dynamics: Send + Sync {
     /// Whether no second contact comes to zero in the same instant.
     fn is_one_at_a_time(&self, at: &Transition) -> bool;
 
+    /// The period of the drive with its gradient in the state, where it depends on that.
+    fn period(&self, x: &Vector) -> Option<(f64, Vector)>;
+
     /// Whether a component of the state takes discrete values, which jumps set.
     fn is_discrete(&self, state: usize) -> bool;
 

@@ -46,7 +46,6 @@ where
         let checked = self.check_inputs(&start);
         let settled = checked.and_then(|()| self.settled(start, options));
         let integration = settled.and_then(|start| {
-            let start = (start, self.moving);
             Integration::with_stepper(self.system, start, t_end, options, stepper)
         });
         let mut run = self.run(integration, t_end, options)?;
@@ -62,7 +61,7 @@ where
         options: &Options,
     ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error> {
         let in_mode = (S::restored(mode), &self.timed(inside));
-        let start = (self.landed(self.timed(start)), self.moving);
+        let start = self.landed(self.timed(start));
         let integration = Integration::in_mode(self.system, in_mode, start, t_end, options);
         Ok(Box::new(self.run(integration, t_end, options)?))
     }
@@ -81,9 +80,8 @@ where
         if t_end <= from.t || t_end.is_nan() {
             return Err(Error::Interval { t0: from.t, t_end });
         }
-        let integration =
-            Integration::resumed(self.system, &from.step, self.moving, t_end, options)
-                .ok_or_else(of_another_system)?;
+        let integration = Integration::resumed(self.system, &from.step, t_end, options)
+            .ok_or_else(of_another_system)?;
         let mut run = self.run(integration, t_end, options)?;
         let is_same = match (&mut run.jump_search, &from.jumps) {
             (Some(search), Some(memory)) => search.restore(memory),
@@ -146,7 +144,6 @@ where
         system,
         own: &NoSection,
         jumps: &NoJumps,
-        moving: N,
         states: N,
         contacts: S::CONTACTS,
         interrupt: None,

@@ -15,6 +15,7 @@ use super::{
     Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow,
     Step, Transition, Vector, Watching,
 };
+use crate::dual::Dual;
 use crate::error::Error;
 use crate::filippov::{EventFunctions, Method, Options, Switched, seeded, side_by_side};
 use crate::ode::Timed;
@@ -29,8 +30,6 @@ pub struct Typed<T, S, V, U, J, const N: usize, const G: usize> {
     pub(super) section: V,
     jumps: U,
     pub(super) states: usize,
-    /// Number of states before the parameters.
-    moving: usize,
     pub(super) contacts: usize,
     interrupt: Option<Arc<Interrupt>>,
     kind: PhantomData<fn() -> (S, J)>,
@@ -72,20 +71,10 @@ where
             section,
             jumps,
             states: states.min(N),
-            moving: states.min(N),
             contacts: contacts.min(S::CONTACTS),
             interrupt: None,
             kind: PhantomData,
         }
-    }
-
-    /// The system, of which so many last states are parameters. They are constant, and neither
-    /// enter the error of a step nor count as states there: steps are those of the same orbit with
-    /// the parameters as constants. Where events are located, their rounding counts.
-    #[must_use]
-    pub fn with_parameters(self, parameters: usize) -> Self {
-        let moving = self.states.saturating_sub(parameters);
-        Typed { moving, ..self }
     }
 
     /// The system, with orbits that end when the flag, if there is one, is raised.
@@ -99,7 +88,6 @@ where
             own: &self.section,
             jumps: self.jumps.borrow(),
             states: self.states,
-            moving: self.moving,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
             held: None,
@@ -202,7 +190,9 @@ where
             return Vec::new();
         }
         let of = self.view();
-        let normals = of.system.normals(S::restored(mode), &of.timed(at));
+        let normals = of
+            .system
+            .normals(S::restored(mode), &of.timed(at), self.states);
         let normals = normals.into_iter();
         normals.map(|(i, normal)| (i, of.vector(&normal))).collect()
     }
@@ -236,6 +226,16 @@ where
     fn is_one_at_a_time(&self, at: &Transition) -> bool {
         let of = self.view();
         of.system.is_one_at_a_time(&of.typed_transition(at))
+    }
+
+    fn period(&self, x: &Vector) -> Option<(f64, Vector)> {
+        let (of, t) = (self.view(), 0.0);
+        let x = of.state(x.as_slice());
+        let period = |x: &_| of.system.period(x);
+        let value = period(&components(&x).map(|x| Dual::new(x, 0.0)))?.re;
+        let by_state = |_, x: &_| period(x).unwrap_or(Dual::new(0.0, 0.0));
+        let (gradient, _) = of.gradient(by_state, &Timed { t, x });
+        Some((value, of.vector(&gradient)))
     }
 
     fn is_discrete(&self, state: usize) -> bool {
@@ -382,7 +382,6 @@ where
         own: of.section,
         jumps: &NoJumps,
         states: of.states,
-        moving: of.moving,
         contacts: of.contacts,
         interrupt: None,
         held: None,

@@ -19,8 +19,6 @@ pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) own: &'a V,
     pub(super) jumps: &'a J,
     pub(super) states: usize,
-    /// Number of states before the parameters.
-    pub(super) moving: usize,
     pub(super) contacts: usize,
     pub(super) interrupt: Option<&'a Interrupt>,
     /// The time from which inputs hold their values, if it is not that of a moment.

@@ -226,7 +226,7 @@ where
         }
     }
 
-    /// Starts of the orbits' series.
+    /// Starts of the orbits' series; `None` where components that do not move differ.
     fn begin(&mut self, group: &[usize]) -> Option<SeriesStarts<N>> {
         let mut begin = SeriesStarts {
             t: [0.0; LANES],
@@ -244,7 +244,13 @@ where
                 x[lane] = *at;
             }
         }
-        Some(begin)
+        let dimension = self.members[group[0]]
+            .member
+            .integration()
+            .system
+            .dimension();
+        let is_one = |lanes: &Lanes<LANES>| lanes.iter().all(|x| *x == lanes[0]);
+        begin.x[dimension..].iter().all(is_one).then_some(begin)
     }
 
     /// Expands the orbits by a recorded call. `None` if no call serves all of them.

@@ -138,7 +138,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     ) -> Result<Self, SummaryOrFailure<N>> {
         let (t, x) = (start.t, start.x);
         let begun =
-            Integration::with_stepper(&start.system, (Timed { t, x }, N), t_end, options, stepper);
+            Integration::with_stepper(&start.system, Timed { t, x }, t_end, options, stepper);
         Ok(ObservedOrbit {
             integration: begun
                 .map_err(|error| Err(Failure::new(error, Summary::before_first_step(t, x))))?,

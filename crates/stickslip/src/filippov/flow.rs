@@ -156,7 +156,7 @@ pub trait Flow<const N: usize> {
         x: &[Lanes<L>; N],
         order: usize,
     ) -> Result<Expansion<G>, usize> {
-        in_rows(into, time, x, order, &OfFlow(self))
+        in_rows(into, time, x, order, &OfFlow { flow: self, x })
     }
 
     /// Projects `x` onto the manifold of the flow, from which rounding has moved it.
@@ -263,13 +263,32 @@ pub(crate) fn flow_path<T: Scalar, const N: usize>(
     (time, path)
 }
 
-/// The field of a flow and its guards.
-pub(super) struct OfFlow<'a, F: ?Sized>(pub(super) &'a F);
+/// The field of a flow and its guards, along solutions from a state. Components that do not move
+/// are constants in it; they are the same in all lanes.
+pub(super) struct OfFlow<'a, F: ?Sized, const L: usize, const N: usize> {
+    pub flow: &'a F,
+    pub x: &'a [Lanes<L>; N],
+}
 
-impl<F: Flow<N> + ?Sized, const N: usize, const G: usize> Functions<N, G> for OfFlow<'_, F> {
+impl<F: Flow<N> + ?Sized, const L: usize, const N: usize, const G: usize> Functions<N, G>
+    for OfFlow<'_, F, L, N>
+{
     #[inline(always)]
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "the loop vanishes where all move"
+    )]
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
-        self.0.field_and_guards(t, x)
+        let mut x = *x;
+        for i in self.flow.dimension()..N {
+            x[i] = T::constant(self.x[i][0]);
+        }
+        self.flow.field_and_guards(t, &x)
+    }
+
+    #[inline(always)]
+    fn dimension(&self) -> usize {
+        self.flow.dimension()
     }
 }
 
@@ -413,7 +432,7 @@ impl<S: Filippov<N>, const N: usize> Flow<N> for OneContactFlow<'_, S> {
                     mode: $mode,
                     ..*self
                 };
-                in_rows(into, time, x, order, &OfFlow(&flow))
+                in_rows(into, time, x, order, &OfFlow { flow: &flow, x })
             }};
         }
         match self.mode {

@@ -129,20 +129,20 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
             t: t0,
             x: x0.into_state(),
         };
-        Self::with_stepper(system, (start, N), t_end, options, Stepper::new(options))
+        Self::with_stepper(system, start, t_end, options, Stepper::new(options))
     }
 
-    /// [`Integration::new`] of a system with that number of states, which may be fewer than its
-    /// type has room for. The stepper may have served another integration with the same options.
+    /// [`Integration::new`] with a stepper that may have served another integration with the same
+    /// options.
     pub(crate) fn with_stepper(
         system: &'a S,
-        (start, states): (Timed<N>, usize),
+        start: Timed<N>,
         t_end: f64,
         options: &Options,
         stepper: Stepper<N, G>,
     ) -> Result<Self, Error> {
         system.check(&start, t_end, options)?;
-        let mut run = StepState::new((start, states), t_end, options)?;
+        let mut run = StepState::new((start, system.dimension()), t_end, options)?;
         let (mode, due) = match system.first_mode(&mut run)? {
             Next::Mode(mode, orders) => {
                 run.orders = orders;
@@ -162,7 +162,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(crate) fn in_mode(
         system: &'a S,
         (mode, inside): (S::Mode, &Timed<N>),
-        start: (Timed<N>, usize),
+        start: Timed<N>,
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
@@ -178,12 +178,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(super) fn new_in(
         system: &'a S,
         (mode, inside): (S::Mode, &Timed<N>),
-        start: (Timed<N>, usize),
+        start: Timed<N>,
         t_end: f64,
         options: &Options,
     ) -> Result<Self, Error> {
-        system.check(&start.0, t_end, options)?;
-        let run = StepState::new(start, t_end, options)?;
+        system.check(&start, t_end, options)?;
+        let run = StepState::new((start, system.dimension()), t_end, options)?;
         let stepper = Stepper::new(options);
         Ok(Self::begun(system, run, stepper, (mode, inside)))
     }

@@ -87,7 +87,6 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     pub(crate) fn resumed(
         system: &'a S,
         memory: &StepMemory,
-        states: usize,
         t_end: f64,
         options: &Options,
     ) -> Option<Result<Self, Error>> {
@@ -106,7 +105,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         let mode = S::restored(memory.modes);
         let pile_up = PileUpDetector::restored(&memory.pile_up, S::restored, S::of_contacts)?;
         Some(
-            Self::new_in(system, (mode, &at), (at, states), t_end, options).map(|begun| {
+            Self::new_in(system, (mode, &at), at, t_end, options).map(|begun| {
                 let mut resumed = begun;
                 resumed.branch = S::restored_branch(memory.branch);
                 (resumed.run.h, resumed.run.from, resumed.run.orders) = (memory.h, from, orders);

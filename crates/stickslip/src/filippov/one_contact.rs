@@ -1,10 +1,9 @@
 //! A Filippov system of one boundary as a switched system: slip below, slip above, stick.
 
 use super::check::check;
-use super::flow::gradient;
 use super::flow::{
-    CONTACT, GUARDS, OneContactFlow, boundary_gradient, flow_path, normal_component, side_of_guard,
-    sliding_field,
+    CONTACT, GUARDS, OneContactFlow, boundary_gradient, flow_path, gradient, normal_component,
+    side_of_guard, sliding_field,
 };
 use super::guard::Event;
 use super::observer::{Transition, TransitionKind};
@@ -185,15 +184,20 @@ impl<S: Filippov<N>, const N: usize> Switched<N, GUARDS> for S {
         }
     }
 
-    fn normals(&self, mode: Mode, at: &Timed<N>) -> Vec<(usize, State<N>)> {
+    fn normals(&self, mode: Mode, at: &Timed<N>, states: usize) -> Vec<(usize, State<N>)> {
+        let boundary = |t, x: &_| self.boundary(t, x);
         match mode {
-            Mode::Stick => vec![(0, boundary_gradient(self, at.t, &at.x).0)],
+            Mode::Stick => vec![(0, gradient(boundary, at, states).0)],
             Mode::Slip(_) => Vec::new(),
         }
     }
 
     fn dimension(&self) -> usize {
         Filippov::dimension(self)
+    }
+
+    fn period(&self, x: &[Dual<f64>; N]) -> Option<Dual<f64>> {
+        Filippov::period(self, x)
     }
 
     const CONTACTS: usize = 1;

@@ -34,7 +34,7 @@ const SAME_LAW: f64 = 0.05;
 /// The state of a run between steps of any method.
 pub struct StepState<const N: usize, const G: usize> {
     pub options: Options,
-    /// Number of states that move; parameters, what inputs hold and room of the type follow them.
+    /// Number of components that move, as [`crate::Filippov::dimension`].
     pub states: usize,
     pub counters: Counters,
     pub t_start: f64,

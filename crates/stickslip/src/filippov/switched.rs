@@ -10,6 +10,7 @@ use super::observer::{Transition, TransitionKind};
 use super::options::Options;
 use super::run::StepState;
 use super::uncertainty::uncertainty;
+use crate::dual::Dual;
 use crate::dynamics::Modes;
 use crate::error::Error;
 use crate::interval::Interval;
@@ -63,9 +64,13 @@ pub trait Switched<const N: usize, const G: usize> {
         }
     }
 
-    /// Number of components of the state in which derivatives are taken.
+    /// Number of components of the state that move, as [`crate::Filippov::dimension`].
     #[doc(hidden)]
     fn dimension(&self) -> usize;
+
+    /// The period of the drive, as [`crate::Filippov::period`].
+    #[doc(hidden)]
+    fn period(&self, x: &[Dual<f64>; N]) -> Option<Dual<f64>>;
 
     /// Passes the flow of a mode to `work`.
     #[doc(hidden)]
@@ -148,9 +153,10 @@ pub trait Switched<const N: usize, const G: usize> {
     #[doc(hidden)]
     fn mode_by_side(&self, t: f64, x: &State<N>) -> Self::Mode;
 
-    /// The contacts that stick, and the gradients of their boundary functions.
+    /// The contacts that stick, and the gradients of their boundary functions in the first
+    /// components of the state, whose number is given.
     #[doc(hidden)]
-    fn normals(&self, mode: Self::Mode, at: &Timed<N>) -> Vec<(usize, State<N>)>;
+    fn normals(&self, mode: Self::Mode, at: &Timed<N>, states: usize) -> Vec<(usize, State<N>)>;
 
     /// Number of contacts.
     #[doc(hidden)]
@@ -266,14 +272,15 @@ impl<const N: usize> UseFlow<N> for Vanishes<'_, N> {
     }
 }
 
-/// Gradient of a guard in the state, and its time derivative.
-pub(crate) struct GuardGradient<const N: usize>(pub usize, pub Timed<N>);
+/// Gradient of a guard in the first components of the state, whose number is given, and its time
+/// derivative.
+pub(crate) struct GuardGradient<const N: usize>(pub usize, pub Timed<N>, pub usize);
 
 impl<const N: usize> UseFlow<N> for GuardGradient<N> {
     type Output = (State<N>, f64);
 
     fn with<F: Flow<N>>(self, flow: &F) -> (State<N>, f64) {
-        let GuardGradient(i, at) = self;
-        gradient(|t, x| flow.guard(i, t, x), &at, flow.dimension())
+        let GuardGradient(i, at, states) = self;
+        gradient(|t, x| flow.guard(i, t, x), &at, states)
     }
 }

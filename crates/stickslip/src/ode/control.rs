@@ -41,8 +41,8 @@ pub(crate) struct Estimates<V> {
 }
 
 /// Squared error of a step in units of the tolerance, accepted up to 1; not finite where the step
-/// is not. It is the mean over the first states, whose number is given. Further components are
-/// constant: parameters, what inputs hold, and what pads the type.
+/// is not. It is the mean over the first components, whose number is given; further ones are
+/// constant.
 ///
 /// It is squared because the next step waits for it, and a root would take as long as two calls of
 /// a small field. It is DOP853's combination of its estimates of orders 5 and 3 (Hairer, Nørsett &

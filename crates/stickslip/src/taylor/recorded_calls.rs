@@ -31,6 +31,9 @@ struct RecordedCall<const N: usize, const W: usize> {
     recording: Recording,
     /// Steps for the orders above 0.
     steps: Steps,
+    /// The state at the call, and how many of its components move. The others are constants in it.
+    x: [f64; N],
+    dimension: usize,
     /// Whether the recording can be repeated: no value was read.
     is_complete: bool,
     field: [Location; N],
@@ -73,7 +76,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
         linear_numbers: &mut LinearNumbers<L>,
     ) -> Result<Option<Expansion<W>>, usize> {
         let usable = self.in_order().map(|i| &self.calls[i]);
-        for call in usable.filter(|call| call.is_complete) {
+        for call in usable.filter(|call| call.serves(x)) {
             if call.room > into.all.len() {
                 return Err(call.room);
             }
@@ -117,7 +120,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
     ) -> Result<bool, usize> {
         for i in self.in_order() {
             let call = &mut self.calls[i];
-            if !call.is_complete {
+            if !call.serves(x) {
                 continue;
             }
             if call.room > into.all.len() {
@@ -197,6 +200,8 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         Ok(RecordedCall {
             steps: Steps::of(&recording, wanted, rows),
             recording,
+            x: x.map(|[x]| x),
+            dimension: functions.dimension(),
             is_complete,
             field,
             watched: locations,
@@ -205,6 +210,12 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
             room,
             expansion,
         })
+    }
+
+    /// Whether it can be repeated at a state, which has the same constants in all lanes.
+    fn serves<const L: usize>(&self, x: &[Lanes<L>; N]) -> bool {
+        let mut constants = self.dimension..N;
+        self.is_complete && constants.all(|i| x[i][0] == self.x[i])
     }
 
     /// The expansion with the flags of a sweep of order 0.

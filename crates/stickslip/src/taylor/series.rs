@@ -16,6 +16,11 @@ pub(crate) struct Series<const L: usize> {
 /// A field, and functions that are evaluated along its solutions.
 pub(crate) trait Functions<const N: usize, const W: usize> {
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
+
+    /// Number of components of the state that move. The others are constants of the functions.
+    fn dimension(&self) -> usize {
+        N
+    }
 }
 
 /// A function of the solution that is not constant.

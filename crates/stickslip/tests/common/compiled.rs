@@ -55,7 +55,6 @@ impl<const N: usize> Traced<N> {
         let equations = Equations::OneContact(Box::new(self.formulas));
         let size = Size {
             states: N,
-            parameters: 0,
             contacts: 1,
         };
         dynamics(equations, Vec::new(), Switching::none(N), size, None).expect("few states")

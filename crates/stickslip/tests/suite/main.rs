@@ -16,6 +16,7 @@ mod corners;
 mod den_hartog;
 mod endings;
 mod ensemble;
+mod family;
 mod flat;
 mod front_page;
 mod grazes;

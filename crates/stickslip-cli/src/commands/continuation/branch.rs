@@ -122,7 +122,7 @@ impl<'a> BranchStart<'a> {
                 name = range.name
             )));
         }
-        let both = self.system.along_both(other, own)?;
+        let both = self.system.with_states_of(&[other, own])?;
         Ok(SecondParameter { range, value, both })
     }
 
@@ -148,8 +148,7 @@ impl<'a> BranchStart<'a> {
                 let curve = along.curve(both, from, (branch, k), &settings, options);
                 Ok(curve?)
             })?;
-            let in_file = |curve| self.along.curve_in_file(&also.range.name, curve);
-            Ok((at.clone(), curve.map(in_file).transpose()?))
+            Ok((at.clone(), curve))
         };
         let followed = branch.special.iter().enumerate();
         let followed: Vec<_> = followed

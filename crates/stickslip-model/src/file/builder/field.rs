@@ -35,8 +35,7 @@ impl Builder<'_> {
                 let sum = part.and_then(|part| self.graph.binary(Binary::Sum, rate, part));
                 rate = sum.map_err(|error| no_number(error, acts.whole()))?;
             }
-            let rate = self.directed(rate, formula.whole())?;
-            built.push(self.in_time(rate, formula.whole())?);
+            built.push(self.directed(rate, formula.whole())?);
         }
         for _ in 0..self.inputs.count_free() {
             let none = self.graph.constant(0.0);
@@ -82,16 +81,5 @@ impl Builder<'_> {
         }
         let negative = self.graph.negative(id);
         negative.map_err(|error| no_number(error, place))
-    }
-
-    /// Converts a rate, or a time, of the file to scaled time.
-    pub(super) fn in_time(&mut self, id: Id, place: Range<usize>) -> BuildResult {
-        match self.inputs.pace {
-            None => Ok(id),
-            Some(pace) => {
-                let product = self.graph.binary(Binary::Product, id, pace);
-                product.map_err(|error| no_number(error, place))
-            }
-        }
     }
 }

@@ -1,6 +1,4 @@
-//! Parameters that are states, and the time that is scaled with them.
-
-use crate::expression::{Binary, Graph, Id, NotANumber};
+//! Parameters that are states.
 
 /// Most parameters that can be states at once.
 pub const MOST_FREE: usize = 16;
@@ -10,23 +8,17 @@ pub const MOST_FREE: usize = 16;
 pub(crate) struct Freed {
     /// Indices of the parameters, in order of these states.
     pub parameters: [Option<usize>; MOST_FREE],
-    /// Whether time is scaled so that a period that depends on them stays what it is.
-    pub scales_time: bool,
 }
 
 /// All parameters have their values.
 pub(crate) const NONE_FREE: Freed = Freed {
     parameters: [None; MOST_FREE],
-    scales_time: true,
 };
 
 impl Freed {
     /// Frees the first [`MOST_FREE`] of these parameters.
-    pub fn of(parameters: &[usize], scales_time: bool) -> Self {
-        let mut freed = Freed {
-            scales_time,
-            ..NONE_FREE
-        };
+    pub fn of(parameters: &[usize]) -> Self {
+        let mut freed = NONE_FREE;
         for (slot, parameter) in freed.parameters.iter_mut().zip(parameters) {
             *slot = Some(*parameter);
         }
@@ -39,15 +31,13 @@ impl Freed {
     }
 }
 
-/// Parameters and time of an expression.
+/// Parameters of an expression.
 #[derive(Clone, Copy, Debug)]
 pub struct Inputs<'a> {
     /// Values of the parameters.
     pub(super) values: &'a [f64],
     /// Parameters that are states instead, after those of the file and in this order.
     free: Freed,
-    /// Rate of the file's time in scaled time, if it depends on a free parameter.
-    pub(super) pace: Option<Id>,
 }
 
 impl<'a> Inputs<'a> {
@@ -58,11 +48,7 @@ impl<'a> Inputs<'a> {
 
     /// Some of the parameters may be states.
     pub fn free(values: &'a [f64], free: Freed) -> Self {
-        Inputs {
-            values,
-            free,
-            pace: None,
-        }
+        Inputs { values, free }
     }
 
     /// Number of parameters that are states.
@@ -77,18 +63,5 @@ impl<'a> Inputs<'a> {
             .iter()
             .flatten()
             .position(|free| *free == parameter)
-    }
-
-    /// A rate per scaled time as one per time of the file.
-    pub fn in_file_time(&self, graph: &mut Graph, rate: Id) -> Result<Id, NotANumber> {
-        match self.pace {
-            None => Ok(rate),
-            Some(pace) => graph.binary(Binary::Quotient, rate, pace),
-        }
-    }
-
-    /// Scope with another time scale.
-    pub fn paced(self, pace: Option<Id>) -> Self {
-        Inputs { pace, ..self }
     }
 }

@@ -32,7 +32,6 @@ impl Builder<'_> {
     /// The clock of an input. For a switch, it is the function whose sign it takes.
     pub fn clock(&mut self, entry: &InputEntry) -> BuildResult {
         let time = self.graph.time();
-        let time = self.in_time(time, entry.place.clone())?;
         let (period, phase) = match &entry.shape {
             InputShape::Switch(function) => return self.formula(function),
             InputShape::Table(_) => return Ok(time),

@@ -256,8 +256,7 @@ impl<'a> Builder<'a> {
             }
             (Meaning::Time, _) => {
                 let time = self.graph.time();
-                let time = self.directed(time, place.clone())?;
-                self.in_time(time, place)
+                self.directed(time, place)
             }
             (Meaning::State(number), _) => Ok(self.graph.state(number)),
             (Meaning::Input(number), _) => self.input(number, place),

@@ -226,7 +226,6 @@ fn impacts(
         let wrong = |error| no_number(error, stop.place.clone());
         let (gap, rate) = (equations.gaps[number], equations.rates[number]);
         let speed = graph.negative(rate).map_err(wrong)?;
-        let speed = inputs.in_file_time(graph, speed).map_err(wrong)?;
         let scope = Scope::NoSides("a restitution");
         let builder = Builder::new(file, inputs, graph, scope);
         let restitution = builder.approached_at(speed).formula(&stop.restitution)?;

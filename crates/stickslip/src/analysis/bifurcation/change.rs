@@ -297,7 +297,9 @@ impl LocatedChange {
             AttractorKind::Equilibrium => equilibrium(system, from, upwards, &settings, options),
             AttractorKind::Periodic { returns, period } => {
                 // The forcing's own period is known exactly.
-                let forced = forcing.map(|one| one * returns as f64);
+                let drive = system.period(&extended(&from.reached.x, here));
+                let drive = drive.map(|(period, _)| period);
+                let forced = forcing.map(|one| drive.unwrap_or(one) * returns as f64);
                 let settings = ContinuationSettings { forced, ..settings };
                 orbit(
                     system,

@@ -306,37 +306,25 @@ fn point(
 ///
 /// ```
 /// use stickslip::analysis::{SweepSettings, WhatChanges, locate_changes, sweep};
-/// use stickslip::{Filippov, Options, Scalar, Side};
+/// use stickslip::{Family, Options, Scalar, Side};
 ///
-/// /// A block on a belt of speed v, with damping 0.1 and friction that falls with the slip speed.
-/// fn rates<T: Scalar>(side: Side, [x, v, belt]: [T; 3]) -> [T; 2] {
-///     let slip_speed = (v - belt) * side.sign();
-///     let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
-///     [v, -x - v * 0.1 - friction]
-/// }
-/// struct AtSpeed(f64);
-/// impl Filippov<2> for AtSpeed {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-///         rates(side, [x[0], x[1], T::constant(self.0)])
+/// /// A block on a belt, with damping 0.1 and friction that falls with the slip speed.
+/// struct Belt;
+/// impl Family<2, 1> for Belt {
+///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2], speed: &[T; 1]) -> [T; 2] {
+///         let slip_speed = (x[1] - speed[0]) * side.sign();
+///         let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
+///         [x[1], -x[0] - x[1] * 0.1 - friction]
 ///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-///         x[1] - self.0
-///     }
-/// }
-/// struct AnySpeed;
-/// impl Filippov<3> for AnySpeed {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
-///         let [velocity, acceleration] = rates(side, *x);
-///         [velocity, acceleration, T::constant(0.0)]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-///         x[1] - x[2]
+///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2], speed: &[T; 1]) -> T {
+///         x[1] - speed[0]
 ///     }
 /// }
 ///
-/// let settings = SweepSettings::within(3e3);
-/// let points = sweep(AtSpeed, [1.3, 1.1], [0.55, 0.0], &settings, &Options::default())?;
-/// let found = locate_changes(&AnySpeed, &points, None, &Options::tol(1e-13))?;
+/// let (at, settings) = (|speed| Belt.at([speed]), SweepSettings::within(3e3));
+/// let points = sweep(at, [1.3, 1.1], [0.55, 0.0], &settings, &Options::default())?;
+/// let along = at(1.3).free([0])?;
+/// let found = locate_changes(&along, &points, None, &Options::tol(1e-13))?;
 /// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
 /// let WhatChanges::Equilibrium { parameter, .. } = found[0].what else { panic!() };
 /// assert!((parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);

@@ -2,6 +2,7 @@
 //! it began.
 
 use super::steps::Continuation;
+use super::tangent_line::TangentLine;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
 use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
 use crate::analysis::critical::zero_between;
@@ -256,6 +257,11 @@ impl Continuation<'_> {
         if !self.is_first(&found) {
             return None;
         }
+        let line = self.branch.line.as_ref();
+        let line = line.and_then(|line| line.continued(&self.shooting, self.branch.units, &found));
+        if !self.goes_on_as_first(line.as_ref()) {
+            return Some(Stop::NoConvergence);
+        }
         // Special orbits behind the first orbit were recorded at the beginning.
         let last = self.branch.points.len() - 1;
         self.branch
@@ -272,6 +278,14 @@ impl Continuation<'_> {
         let near = SAME_ORBIT * self.branch.first.extent;
         self.offset_from_first(found)
             .is_some_and(|way| way.norm() <= near)
+    }
+
+    /// Whether a line through the first orbit has the direction in which the branch began. A branch
+    /// that turned round without a fold comes back in the opposite one. Where the first orbit lies
+    /// on another branch, the parameter may have no rate there.
+    pub(super) fn goes_on_as_first(&self, line: Option<&TangentLine>) -> bool {
+        let is_opposite = |line: &TangentLine| line.heading() * self.branch.heading < 0.0;
+        self.begins_on_other || !line.is_some_and(is_opposite)
     }
 
     /// The vector to an orbit from the first one's anchor, as [`offset_from`].

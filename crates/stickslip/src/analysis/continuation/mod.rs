@@ -44,8 +44,8 @@ pub struct ContinuationSettings {
     pub step: f64,
     /// Largest number of orbits on the branch. Default 1000.
     pub most_points: usize,
-    /// The period of the orbit, where the forcing prescribes it. The forcing's period itself cannot
-    /// be the parameter: to vary it, measure time in units of it.
+    /// The period of the first orbit, where the forcing prescribes it. Where the parameter changes
+    /// it, the system tells the forcing's period: [`crate::Filippov::period`].
     pub forced: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ impl ContinuationSettings {
         }
     }
 
-    /// Sets the period, a multiple of the forcing's.
+    /// Sets the period of the first orbit, a multiple of the forcing's.
     #[must_use]
     pub fn forced(self, period: f64) -> Self {
         ContinuationSettings {
@@ -242,7 +242,9 @@ pub enum Stop {
     /// below kinetic friction. It is not written to files.
     #[cfg_attr(feature = "serde", serde(skip))]
     Refused(Error),
-    /// No further orbit could be computed within the shortest step behind the last one.
+    /// No further orbit could be computed within the shortest step behind the last one; or the
+    /// branch has come back to its first orbit in the opposite direction, as it turned round at the
+    /// last special orbit.
     NoConvergence,
 }
 
@@ -261,10 +263,10 @@ pub struct Branch {
 /// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or
 /// downwards by pseudo-arclength.
 ///
-/// **The parameter is the last state**, and its rate is zero: a system of two states and a
-/// parameter is a [`crate::Filippov`] system of three. All derivatives, by the states and by the
-/// parameter, come from the user's functions on dual numbers and from the saltation at each
-/// transition. No finite differences are used.
+/// **The parameter is the last state**, and its rate is zero: that of a [`crate::Family`] with a
+/// constant free, or of a system whose [`crate::Filippov::dimension`] excludes it. All derivatives,
+/// by the states and by the parameter, come from the user's functions on dual numbers and from the
+/// saltation at each transition. No finite differences are used.
 ///
 /// Every orbit is computed by Newton's iteration as segments with a given sequence of modes, in the
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a test function
@@ -279,24 +281,25 @@ pub struct Branch {
 ///
 /// ```
 /// use stickslip::analysis::{ContinuationSettings, CycleBifurcation, continue_periodic_orbit};
-/// use stickslip::{Filippov, Options, Scalar, Side};
+/// use stickslip::{Family, Options, Scalar, Side};
 ///
 /// /// r' = r (p + 2 r² - r⁴), θ' = 1: two cycles for -1 < p < 0.
 /// struct Rings;
-/// impl Filippov<3> for Rings {
-///     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
-///         let square = x[0] * x[0] + x[1] * x[1];
-///         let grows = x[2] + square * 2.0 - square * square;
-///         [x[0] * grows - x[1], x[1] * grows + x[0], T::constant(0.0)]
+/// impl Family<2, 1> for Rings {
+///     fn field<T: Scalar>(&self, _: Side, _t: T, [x, y]: &[T; 2], [p]: &[T; 1]) -> [T; 2] {
+///         let square = *x * *x + *y * *y;
+///         let grows = *p + square * 2.0 - square * square;
+///         [*x * grows - *y, *y * grows + *x]
 ///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-///         x[0] - 10.0
+///     fn boundary<T: Scalar>(&self, _t: T, [x, _]: &[T; 2], _: &[T; 1]) -> T {
+///         *x - 10.0
 ///     }
 /// }
 ///
+/// let along = Rings.at([-0.5]).free([0])?;
 /// let settings = ContinuationSettings::over(-1.5, 0.0);
 /// let (start, options) = ([1.3, 0.0, -0.5], Options::tol(1e-12));
-/// let branch = continue_periodic_orbit(&Rings, start, 6.3, false, &settings, &options)?;
+/// let branch = continue_periodic_orbit(&along, start, 6.3, false, &settings, &options)?;
 /// assert_eq!(branch.special[0].what, CycleBifurcation::Fold);
 /// assert!((branch.special[0].parameter + 1.0).abs() < 1e-9);
 /// # Ok::<(), stickslip::Error>(())
@@ -322,6 +325,8 @@ pub fn continue_periodic_orbit<Kind>(
 pub struct PartialBranch {
     units: Units,
     first: Cycle,
+    /// Rate of the parameter along the branch at the first orbit.
+    heading: f64,
     /// Extent of the widest of its orbits.
     widest: f64,
     /// The last two orbits, and the line on which the branch continues.

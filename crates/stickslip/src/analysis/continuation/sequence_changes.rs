@@ -58,10 +58,15 @@ impl Continuation<'_> {
         // behind the first zero. Chosen: far above the shortest step.
         const DECISIVE_STEP: f64 = 1e-5;
         let (last, length) = (&self.branch.last, line.place(next));
+        let options = self.shooting.options;
         let mut first: Option<(LocatedZero, Margin)> = None;
         let mut is_undecided = false;
         let violated = next.margins.iter();
-        for margin in violated.filter(|margin| margin.is_violated(self.shooting.options)) {
+        for margin in violated.filter(|margin| margin.is_violated(options)) {
+            // Such an orbit is another solution. It does not continue the orbits before the change.
+            if next.repeats_event(options) {
+                return Err(());
+            }
             let Some(before) = last.margin_like(margin) else {
                 is_undecided = true;
                 continue;
@@ -119,7 +124,7 @@ impl Continuation<'_> {
             let outline = self.run_from(&beyond)?;
             let phases = |one: &Outline| (one.modes(), one.kinks());
             (phases(&outline) != phases(&self.branch.last.outline))
-                .then(|| self.enter(&outline, parameter_of(&at.solution)))
+                .then(|| self.enter(&outline, at.parameter))
                 .flatten()
         })
     }
@@ -131,16 +136,19 @@ impl Continuation<'_> {
         let n = outline.begin.x.len();
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
-        // The shortest of the new segments, if there are any.
+        // The shortest of the new segments, if there are any: where fewer are left, one has ended.
         let old = &self.branch.last.outline.segments;
         let is_new = |k: usize| !old.iter().any(|one| one.mode == outline.segments[k].mode);
         let any_new = (0..outline.segments.len()).any(is_new);
+        let is_fewer = outline.segments.len() < old.len();
         let may_grow = durations()
             .enumerate()
-            .filter(|(k, _)| !any_new || is_new(*k));
-        let shortest = may_grow.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let by_duration =
-            (shortest.1 < NEW_SEGMENT * longest).then(|| outline.unit(n + shortest.0));
+            .filter(|(k, lasts)| match any_new {
+                true => is_new(*k),
+                false => !is_fewer,
+            } && *lasts < NEW_SEGMENT * longest);
+        let shortest = may_grow.min_by(|a, b| a.1.total_cmp(&b.1));
+        let by_duration = shortest.map(|(k, _)| outline.unit(n + k));
         let by_parameter = outline.unit(n - 1);
         let rows = by_duration.into_iter().chain([by_parameter.clone()]);
         rows.into_iter().find_map(|row| {
@@ -162,8 +170,8 @@ impl Continuation<'_> {
     fn run_from(&self, orbit: &Cycle) -> Option<Outline> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let start = &orbit.anchor;
-        let period = match self.shooting.forced {
-            Some(period) => period,
+        let period = match self.shooting.prescribed(&start.x) {
+            Some((period, _)) => period,
             None => self.return_time(start, orbit).unwrap_or(orbit.period),
         };
         Outline::of_run(system, start, period, options).ok()

@@ -122,11 +122,12 @@ impl<'a> Continuation<'a> {
         options: &'a Options,
     ) -> Self {
         let outline = &branch.last.outline;
+        let forced = settings.forced.map(|_| branch.last.period);
         let shooting = Shooting {
             states: outline.begin.x.len() - 1,
             family: branch.first.family,
             extent: branch.widest,
-            ..Shooting::of(system, outline, settings.forced, options)
+            ..Shooting::of(system, outline, forced, options)
         };
         Continuation::with(shooting, settings, branch)
     }
@@ -157,6 +158,7 @@ impl<'a> Continuation<'a> {
         let branch = PartialBranch {
             units,
             widest: first.extent,
+            heading: line.as_ref().map_or(0.0, TangentLine::heading),
             before: first.clone(),
             first: first.clone(),
             last: first,

@@ -109,12 +109,8 @@ fn switched(
     } = junction;
     let is_flip = at.what == CycleBifurcation::Flip;
     let times = if is_flip { 2.0 } else { 1.0 };
-    let settings = &ContinuationSettings {
-        forced: settings.forced.map(|period| times * period),
-        ..*settings
-    };
     let shooting = Shooting {
-        forced: settings.forced,
+        forced: shooting.forced.map(|periods| times * periods),
         ..shooting
     };
     let start = match is_flip {

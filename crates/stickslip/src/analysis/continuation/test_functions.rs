@@ -97,7 +97,17 @@ impl Continuation<'_> {
         let index = |kind: &CycleBifurcation| zeros.iter().position(|(_, what)| what == kind);
         let meets = [CycleBifurcation::Fold, CycleBifurcation::BranchPoint];
         let meets = meets.each_ref().map(index);
-        if meets != [None, None] && self.is_back(&next) {
+        let back = (meets != [None, None]).then(|| self.back_at(&next));
+        let is_same_way = |part: f64| {
+            let has_turned = meets[0].is_some_and(|fold| zeros[fold].0.s < part * length);
+            let there = if has_turned {
+                onward.as_ref()
+            } else {
+                Some(line)
+            };
+            self.goes_on_as_first(there)
+        };
+        if back.flatten().is_some_and(is_same_way) {
             let first = self.branch.first.clone();
             self.take(first);
             return Some(Stop::Closed);
@@ -161,20 +171,22 @@ impl Continuation<'_> {
         (left <= LARGEST_LEFT * before.norm().max(behind.norm())).then_some(zero)
     }
 
-    /// Whether the branch passes its first orbit between the last one and another one.
-    fn is_back(&self, next: &Cycle) -> bool {
+    /// Part of the way from the last orbit to another one at which the branch passes its first
+    /// orbit, if it does.
+    fn back_at(&self, next: &Cycle) -> Option<f64> {
         // Distance by which a straight line between them may miss it, as a fraction of its length.
         // Chosen: the branch bends little in a step.
         const LARGEST_MISS: f64 = 0.1;
         let off = [&self.branch.last, next].map(|one| self.offset_from_first(one));
         let [Some(before), Some(behind)] = off else {
-            return false;
+            return None;
         };
         let between = &behind - &before;
         let part = -before.dot(&between) / between.norm_squared();
         let miss = (&before + &between * part).norm();
         let is_near = miss <= LARGEST_MISS * between.norm();
-        self.branch.points.len() > 3 && (0.0..=1.0).contains(&part) && is_near
+        let is_back = self.branch.points.len() > 3 && (0.0..=1.0).contains(&part) && is_near;
+        is_back.then_some(part)
     }
 
     /// Zero of a function on a line, between two places at which it has different signs. The

@@ -244,8 +244,9 @@ impl Shooting<'_> {
         // As if the orbit moved by its extent in a period.
         let by_time = outline.period() / self.extent;
         // The durations add up to the period of the forcing.
-        if let Some(period) = self.forced {
-            let row = Row::of((n..time).map(|duration| (duration, 1.0)));
+        if let Some((period, gradient)) = self.prescribed(&outline.begin.x) {
+            let by_state = gradient.iter().map(|slope| -slope).enumerate();
+            let row = Row::of(by_state.chain((n..time).map(|duration| (duration, 1.0))));
             let off = outline.period() - period;
             assembly.rows.push((off, row, by_time));
         }

@@ -38,6 +38,8 @@ pub(crate) struct Margin {
     pub value: f64,
     /// Typical size of the function on this orbit.
     pub scale: f64,
+    /// What the error of the orbit's states makes of a guard's value; 0 for other functions.
+    pub error: f64,
     /// The mode before the change.
     pub incoming: Modes,
     pub contact: usize,
@@ -56,9 +58,9 @@ impl Margin {
         self.value / self.scale
     }
 
-    /// Whether it is below zero by more than the tolerances allow.
+    /// Whether it is below zero by more than the tolerances and the error of the states allow.
     pub fn is_violated(&self, options: &Options) -> bool {
-        self.relative() < -closeness(options)
+        self.value < -self.error.max(closeness(options) * self.scale)
     }
 }
 
@@ -92,6 +94,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
                 kind: MarginKind::Rest,
                 value: piece.end.t - landed.t,
                 scale: outline.period(),
+                error: 0.0,
                 incoming: segment.mode,
                 contact: landing,
                 other: Some(end.contact),
@@ -109,6 +112,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             kind,
             value,
             scale,
+            error: 0.0,
             incoming: before.mode,
             contact: begin.contact,
             other: None,

@@ -28,10 +28,12 @@ struct Sample {
 
 impl Shooting<'_> {
     /// The margins of the orbit to each change of its phases.
-    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
-        let mut margins = minima(self.system, outline, pieces, self.options);
+    /// `error` is that of its states.
+    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece], error: f64) -> Vec<Margin> {
+        let mut margins = minima((self.system, self.states), outline, pieces, self.options);
         for margin in &mut margins {
             self.refine(outline, pieces, margin);
+            margin.error *= error;
         }
         margins.extend(at_events(self.system, outline, pieces));
         margins
@@ -62,9 +64,9 @@ impl Shooting<'_> {
 }
 
 /// The smallest values of all guards within the segments, and at those ends that belong to another
-/// contact.
+/// contact. Their errors are per error of the states, whose number is given.
 fn minima(
-    system: &dyn Dynamics,
+    (system, states): (&dyn Dynamics, usize),
     outline: &Outline,
     pieces: &[Piece],
     options: &Options,
@@ -208,11 +210,13 @@ fn minima(
             }
             for (kind, other, (step, s)) in places {
                 let at = moment(step, s);
+                let (by_state, _) = flow.guard_gradient(number, &at);
                 margins.push(Margin {
                     part,
                     kind,
                     value: flow.guard(number, &at),
                     scale,
+                    error: by_state.rows(0, states).norm(),
                     incoming: segment.mode,
                     contact,
                     other,

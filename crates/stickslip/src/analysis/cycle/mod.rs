@@ -48,7 +48,8 @@ pub(crate) struct Shooting<'a> {
     pub system: &'a dyn Dynamics,
     /// Number of components that are states; parameters follow them.
     pub states: usize,
-    /// The period, where the forcing prescribes it.
+    /// Number of the drive's periods in that of the orbit, where it prescribes that. The drive's
+    /// period counts as 1 where the system does not tell it.
     pub forced: Option<f64>,
     /// Extent of the widest orbit so far.
     pub extent: f64,
@@ -137,6 +138,18 @@ impl Cycle {
             }
         }
         outline
+    }
+
+    /// Whether a segment between two events of one contact has vanished to within the tolerances.
+    /// If both are zeros of one function, the second one repeats the first. That solves the
+    /// equations wherever the orbit without the segment does, on either side of the change at which
+    /// it begins.
+    pub fn repeats_event(&self, options: &Options) -> bool {
+        let mut durations = self.margins.iter().filter(|margin| {
+            let is_of_one = margin.other.is_none();
+            margin.kind == MarginKind::Duration && is_of_one
+        });
+        durations.any(|margin| margin.relative() <= closeness(options))
     }
 
     /// The difference between the two halves of the orbit, where they have the same phases. It is

@@ -28,16 +28,21 @@ const SAME_VELOCITY: f64 = 1e-4;
 
 impl<'a> Shooting<'a> {
     /// Shooting for orbits of a system near an outline, in which all components are states.
+    /// `forced` is the period that a drive prescribes there.
     pub fn of(
         system: &'a dyn Dynamics,
         outline: &Outline,
         forced: Option<f64>,
         options: &'a Options,
     ) -> Self {
+        let drive = system.period(&outline.begin.x);
         Shooting {
             system,
             states: system.states(),
-            forced,
+            forced: forced.map(|period| match &drive {
+                Some((drive, _)) => (period / drive).round(),
+                None => period,
+            }),
             extent: length(outline.extent, outline, system.states(), options),
             family: 0,
             plane: None,
@@ -51,6 +56,14 @@ impl<'a> Shooting<'a> {
     pub fn finer(&self) -> Self {
         let is_finer = true;
         Shooting { is_finer, ..*self }
+    }
+
+    /// The period that a drive prescribes at a state, with its gradient in that.
+    pub fn prescribed(&self, x: &Vector) -> Option<(f64, Vector)> {
+        let count = self.forced?;
+        let drive = self.system.period(x);
+        let (period, gradient) = drive.unwrap_or_else(|| (1.0, Vector::zeros(x.len())));
+        Some((count * period, gradient * count))
     }
 
     /// Whether an orbit has the phases of its sequence.
@@ -149,7 +162,8 @@ impl<'a> Shooting<'a> {
     /// forcing: that is no unknown. It is for iterates, which lack rounding of it. A guess from a
     /// run may lack far more: its segments fit their events, and the next iterate shares the rest.
     fn in_period(&self, mut outline: Outline) -> Outline {
-        let missing = self.forced.map_or(0.0, |period| period - outline.period());
+        let prescribed = self.prescribed(&outline.begin.x);
+        let missing = prescribed.map_or(0.0, |(period, _)| period - outline.period());
         let rounding = ULPS * f64::EPSILON * outline.period();
         let segments = outline.segments.iter_mut();
         let longest = segments.max_by(|a, b| a.duration.total_cmp(&b.duration));
@@ -200,7 +214,8 @@ impl<'a> Shooting<'a> {
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {
         let by_tolerance = closeness(self.options);
-        let period = self.forced.unwrap_or(outline.period());
+        let prescribed = self.prescribed(&outline.begin.x);
+        let period = prescribed.map_or(outline.period(), |(period, _)| period);
         let [start, end] = &equations.velocities;
         let is_near = (period - guessed).abs() <= 0.3 * guessed;
         let within = SAME_VELOCITY.max(TOLERANCES * by_tolerance) * start.norm();
@@ -212,8 +227,8 @@ impl<'a> Shooting<'a> {
         if !is_near || !is_same || !is_finite || is_point {
             return None;
         }
-        let margins = self.margins(&outline, &equations.pieces);
         let closes_to = self.closes_to(&equations);
+        let margins = self.margins(&outline, &equations.pieces, closes_to);
         let flights = equations.pieces.windows(2).enumerate();
         let flights = flights.filter_map(|(number, pair)| match outline.segments[number].kind {
             SegmentKind::Flight { .. } => {

@@ -326,13 +326,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
 
     /// Checks that the contacts to be decided form a well-posed problem.
     fn check(&self, contacts: &[usize]) -> Result<(), Error> {
-        let Timed { t, x } = self.at;
         let fault = |fault| Err(Error::at_contacts(&self.at, fault));
         let dependent = |contacts: &[usize]| {
             let contacts = contacts.to_vec();
             fault(ContactFault::DependentContacts { contacts })
         };
-        let normals = gradients(self.system, t, &x);
+        let normals = gradients(self.system, &self.at, self.system.dimension());
         let mut gram = [[0.0; M]; M];
         for &i in contacts {
             let size = normals[i].norm();

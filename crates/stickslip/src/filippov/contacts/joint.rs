@@ -461,7 +461,8 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         if contacts.iter().all(|&i| h[i] == 0.0) {
             return x;
         }
-        let gradients = gradients(self.system, t, &x);
+        let at = Timed { t, x };
+        let gradients = gradients(self.system, &at, self.system.dimension());
         let mut gram = [[0.0; M]; M];
         let mut multipliers = [0.0; M];
         for (row, &i) in contacts.iter().enumerate() {
@@ -483,15 +484,15 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
-/// Gradients of the boundary functions in the state.
+/// Gradients of the boundary functions in the first components of the state, whose number is given.
 pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     system: &S,
-    t: f64,
-    x: &State<N>,
+    at: &Timed<N>,
+    states: usize,
 ) -> [State<N>; M] {
     let mut gradients = [State::from([0.0; N]); M];
-    for k in 0..system.dimension() {
-        let (t, x) = seeded(&Timed { t, x: *x }, k);
+    for k in 0..states {
+        let (t, x) = seeded(at, k);
         for (gradient, h) in gradients.iter_mut().zip(system.boundaries(t, &x)) {
             gradient[k] = h.eps;
         }

@@ -133,10 +133,16 @@ pub trait Contacts<const N: usize, const M: usize> {
         Ok(())
     }
 
-    /// Number of components of the state that the functions use, as [`crate::Filippov::dimension`].
+    /// Number of components of the state that move, as [`crate::Filippov::dimension`].
     #[inline(always)]
     fn dimension(&self) -> usize {
         N
+    }
+
+    /// Period of the drive, as [`crate::Filippov::period`].
+    #[inline(always)]
+    fn period<T: Scalar>(&self, _x: &[T; N]) -> Option<T> {
+        None
     }
 
     /// Whether the frictions of contacts are known to add, in slip and while contacts hold. Then
@@ -181,6 +187,9 @@ impl<const N: usize, const M: usize, S: Contacts<N, M>> Contacts<N, M> for &S {
     #[inline(always)]
     fn dimension(&self) -> usize {
         (**self).dimension()
+    }
+    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
+        (**self).period(x)
     }
     #[inline(always)]
     fn contacts(&self) -> usize {

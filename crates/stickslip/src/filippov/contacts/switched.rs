@@ -3,6 +3,7 @@
 use super::decision::Decision;
 use super::joint::{ContactFlow, CornerFields, gradients, rates};
 use super::{Contacts, Several};
+use crate::dual::Dual;
 use crate::dynamics::Modes;
 use crate::error::{ContactFault, Error, Point};
 use crate::filippov::check::check_run;
@@ -268,8 +269,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
         })
     }
 
-    fn normals(&self, mode: [Mode; M], at: &Timed<N>) -> Vec<(usize, State<N>)> {
-        let gradients = gradients(&self.0, at.t, &at.x);
+    fn normals(&self, mode: [Mode; M], at: &Timed<N>, states: usize) -> Vec<(usize, State<N>)> {
+        let gradients = gradients(&self.0, at, states);
         (0..M)
             .filter(|&i| mode[i] == Mode::Stick)
             .map(|i| (i, gradients[i]))
@@ -278,6 +279,10 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
 
     fn dimension(&self) -> usize {
         self.0.dimension()
+    }
+
+    fn period(&self, x: &[Dual<f64>; N]) -> Option<Dual<f64>> {
+        self.0.period(x)
     }
 
     const CONTACTS: usize = M;

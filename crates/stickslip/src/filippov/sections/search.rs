@@ -405,10 +405,17 @@ where
         rate * rate <= 2.0 * bend.abs() * STATE_ROUNDING * size
     }
 
-    /// Whether one of the first `states` components moves a function.
-    pub(crate) fn depends_on_state(&self, number: usize, at: &Timed<N>, states: usize) -> bool {
-        let (slopes, _) = self.slopes(number, at);
-        slopes.iter().take(states).any(|slope| *slope != 0.0)
+    /// Whether a component that the run changes moves a function: by itself, or by jumps.
+    pub(crate) fn depends_on_state(
+        &self,
+        number: usize,
+        at: &Timed<N>,
+        jumps: impl Fn(usize) -> bool,
+    ) -> bool {
+        let value = |t, x: &_| self.events.value(number, t, x);
+        let (slopes, _) = gradient(value, at, N);
+        let moves = |i: usize| i < self.system.dimension() || jumps(i);
+        (0..N).any(|i| slopes[i] != 0.0 && moves(i))
     }
 
     /// Forgets the part of the last step after the state at which the step is cut.

@@ -88,7 +88,7 @@ fn expand_alone<F: Flow<N>, const N: usize, const G: usize>(
     *expansion = if const { F::INTERPRETED } {
         let mut temporary = RecordedCalls::default();
         let repeated = repeated.as_deref_mut().unwrap_or(&mut temporary);
-        repeated.expand(into, time, x, order, &OfFlow(flow))?
+        repeated.expand(into, time, x, order, &OfFlow { flow, x })?
     } else {
         flow.expand(into, time, x, order)?
     };

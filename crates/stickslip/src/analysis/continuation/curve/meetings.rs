@@ -44,11 +44,15 @@ impl CurveContinuation<'_> {
         next: &CurvePosition,
         orbits: usize,
     ) -> Result<Option<CurveEnd>, ()> {
-        let length = at.line.place(&next.cycle);
+        let (length, options) = (at.line.place(&next.cycle), self.shooting.options);
         let violated = next.cycle.margins.iter();
-        let violated = violated.filter(|margin| margin.is_violated(self.shooting.options));
+        let violated = violated.filter(|margin| margin.is_violated(options));
         let mut first: Option<CurveEnd> = None;
         for margin in violated {
+            // Such an orbit is another solution. It does not continue the orbits before the change.
+            if next.cycle.repeats_event(options) {
+                return Err(());
+            }
             let before = at.cycle.margin_like(margin).ok_or(())?;
             let function =
                 |cycle: &Cycle, _: &CurveCondition| Some(cycle.margin_like(margin)?.value);
