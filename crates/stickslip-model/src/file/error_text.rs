@@ -43,10 +43,7 @@ pub trait Interface {
         | Error::StepCollapse { t, x, .. } = error
             && let Some(why) = system.and_then(|system| system.without_reaction(*t, &x.0))
         {
-            return format!(
-                "the orbit cannot go on {}: {why}; lower that friction, or end the run before",
-                at(t, x)
-            );
+            return format!("the orbit cannot go on {}: {why}", at(t, x));
         }
         match error {
             Error::Option { name, value, bound } => format!(

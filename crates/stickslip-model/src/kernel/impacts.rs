@@ -14,7 +14,7 @@ use crate::expression::Tape;
 
 /// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms. It is
 /// some thousand units in the last place: the rounding of a sum of as many terms.
-pub(super) const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 /// The law of impact of the stops of a system.
 #[derive(Clone, Debug, PartialEq)]

@@ -734,3 +734,60 @@ fn a_quantity_that_is_wrong_is_reported() {
         assert!(error.to_string().contains(message), "{error}");
     }
 }
+
+/// A rigid body on three feet, of which two hold it.
+const FEET: &str = r#"name = "Three feet"
+[states]
+y = ""
+phi = ""
+v = ""
+om = ""
+[parameters]
+l = 1
+c = 3
+[field]
+y = "v"
+phi = "om"
+v = "-1"
+om = 0
+[stops.left]
+gap = "y - l*phi"
+acts = { v = 1, om = "-c*l" }
+restitution = 0
+[stops.middle]
+gap = "y"
+acts = { v = 1 }
+restitution = 0
+[stops.right]
+gap = "y + l*phi"
+acts = { v = 1, om = "c*l" }
+restitution = 0
+[start]
+y = 1
+phi = 0
+v = 0
+om = 0
+[time]
+end = 5
+"#;
+
+#[test]
+fn redundant_stops_are_named() {
+    // Elimination leaves zero or rounding of either sign for the third reaction.
+    for method in METHODS {
+        for (l, c) in [(1.0, 3.0), (0.3, 3.0), (1.3, 2.2), (2.7, 1.7), (0.9, 3.0)] {
+            let feet = with(FEET, &[("l", l), ("c", c)]);
+            let run = Run::of(feet, &options(method), None);
+            let words = run.words();
+            let whole = "the reactions of the stops `left`, `middle`, `right` are not unique there";
+            assert!(words.contains(whole), "{method}, {l}, {c}: {words}");
+            assert!(words.contains("leave one of them out"), "{words}");
+        }
+        let without = FEET.split("[stops.middle]").collect::<Vec<_>>();
+        let two = format!("{}[stops.right]{}", without[0], {
+            without[1].split("[stops.right]").nth(1).unwrap()
+        });
+        let run = Run::of(system(&two), &options(method), None);
+        assert_eq!(run.ending(), Ending::EndTime);
+    }
+}

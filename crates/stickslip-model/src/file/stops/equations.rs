@@ -15,7 +15,7 @@ use super::super::builder::{Builder, Inputs, Scope, are_same, no_number};
 use super::super::problem::Problem;
 use super::super::{StopEntry, SystemFile};
 use crate::expression::{Binary, Graph, GraphInput, Id, NotANumber, Tape, Test};
-use crate::kernel::{Combination, HELD_PER_INPUT};
+use crate::kernel::{Combination, HELD_PER_INPUT, ROUNDING};
 
 /// The equations of the stops in one combination of sides.
 pub(super) struct StopEquations {
@@ -400,23 +400,24 @@ pub(super) fn equations(
     Ok(found)
 }
 
-/// Second derivative of each stop's gap by its own reaction in one combination of sides: with the
-/// friction that follows the reaction, and without.
+/// Second derivative of each stop's gap by a unit of its own reaction, without the friction that
+/// follows it. Then, by stop, by a unit of each reaction, with friction in one combination of
+/// sides.
 pub(in super::super) fn openings(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
     of: Combination,
-) -> Result<Vec<[Id; 2]>, Problem> {
+) -> Result<Vec<Id>, Problem> {
     let found = equations(file, inputs, graph, of)?;
     let acts = acts(file, inputs, graph)?;
-    let mut openings = Vec::with_capacity(acts.len());
+    let mut openings = Vec::with_capacity(acts.len() * (acts.len() + 1));
     for (number, acts) in acts.iter().enumerate() {
         let place = file.stops[number].place.clone();
         let alone = derivative(graph, found.rates[number], push(acts));
-        let alone = alone.map_err(|error| no_number(error, place))?;
-        openings.push([found.coupling[number][number], alone]);
+        openings.push(alone.map_err(|error| no_number(error, place))?);
     }
+    openings.extend(found.coupling.concat());
     Ok(openings)
 }
 
@@ -470,8 +471,17 @@ fn solved(
             }
         }
     }
-    // Gauss's elimination; a pivot that is not positive has no unique reaction.
+    // Gauss's elimination; a pivot that is not positive has no unique reaction. Of stops that hold
+    // the same motion, rounding leaves one.
+    let own: Vec<Id> = (0..count).map(|stop| matrix[stop][stop]).collect();
+    let rounding = graph.constant(ROUNDING)?;
     for pivot in 0..count {
+        let left = matrix[pivot][pivot];
+        if left != own[pivot] {
+            let noise = graph.binary(Binary::Product, rounding, own[pivot])?;
+            let clear = graph.binary(Binary::Difference, left, noise)?;
+            matrix[pivot][pivot] = graph.where_positive(clear, left)?;
+        }
         for row in pivot + 1..count {
             if graph.is(matrix[row][pivot], Test::Zero) {
                 continue;
