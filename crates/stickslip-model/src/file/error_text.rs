@@ -116,7 +116,9 @@ pub trait Interface {
                     at(t, x)
                 )
             }
-            Error::BehindStop { number, .. } | Error::OffStop { number, .. } => {
+            Error::BehindStop { number, .. }
+            | Error::GapJumps { number, .. }
+            | Error::OffStop { number, .. } => {
                 let numbered = format!("the stop {number} ");
                 // The event belongs to the stop, and its name continues that of the stop.
                 let event = name(*number);

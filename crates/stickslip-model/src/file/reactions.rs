@@ -169,12 +169,19 @@ impl System {
                 return self.shared_motion(&carrying, coupling);
             };
             let (with, alone) = (coupling(stop, stop), values[stop]);
+            let name = &file.stops[stop].name;
+            if alone <= 0.0 {
+                return Some(format!(
+                    "a unit of `acts` of [stops.{name}] changes the second derivative of the gap \
+                     by {} there and must open it; turn its sign, or end the run before",
+                    readable(alone)
+                ));
+            }
             Some(format!(
                 "no motion in contact is consistent there, or several are (Painlevé): a unit of \
-                 the reaction of the stop `{}` changes the second derivative of its gap by {}, \
+                 the reaction of the stop `{name}` changes the second derivative of its gap by {}, \
                  and by {} with the friction that follows it; lower that friction, or end the run \
                  before",
-                file.stops[stop].name,
                 readable(alone),
                 // Where it vanishes, rounding is left.
                 readable(if with.abs() <= NO_EFFECT * alone { 0.0 } else { with }),
