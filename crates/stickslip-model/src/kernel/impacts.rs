@@ -56,8 +56,8 @@ impl<T: Scalar> Touching<T> {
         self.rate.value() < 0.0 && !self.carries && !self.lands
     }
 
-    /// Whether the restitution is between 0 and 1. A stop that separates gives nothing back, and has
-    /// no speed of approach.
+    /// Whether the restitution is between 0 and 1. A stop that separates gives nothing back, and
+    /// has no speed of approach.
     pub(crate) fn has_restitution(&self) -> bool {
         !self.bounces() || (0.0..=1.0).contains(&self.restitution.value())
     }
