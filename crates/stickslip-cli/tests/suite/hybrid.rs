@@ -325,3 +325,23 @@ fn check_says_what_a_start_behind_the_surface_of_a_jump_will_do() {
         }
     }
 }
+
+/// A ball that chatters to rest on a shaken table once a period.
+const CHATTER: &str = "name = \"table\"\n[states]\nh = \"\"\nv = \"\"\n[field]\nh = \"v\"\n\
+    v = \"-1\"\n[stops.table]\ngap = \"h - 1.2*sin(t)\"\nacts = { v = 1 }\nrestitution = 0.5\n\
+    [start]\nh = 0\nv = \"1.2\"\n[time]\nperiod = \"2*pi\"\n";
+
+#[test]
+fn an_orbit_has_discrete_states_with_the_values_of_jumps() {
+    // Free flight between impacts: nothing but jumps may move the state of the stop.
+    let text = CHATTER
+        .replace("h - 1.2*sin(t)", "h + 0.3")
+        .replace("v = \"-1\"", "v = \"-h - 0.1*v + cos(2.8*t)\"");
+    let text = text.replace("2*pi", "2*pi/2.8").replace("0.5", "0.6");
+    let text = text.replace("h = 0\nv = \"1.2\"", "h = 0.2\nv = 0");
+    let (_, words) = printed(&text, &["orbit", "system.toml"]);
+    assert!(
+        words.contains("table.closed from 0 to 0, at first 0\n"),
+        "{words}"
+    );
+}
