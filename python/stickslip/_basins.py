@@ -128,7 +128,8 @@ class LeastPushes(Result):
     uncertainty : ndarray, shape (m,)
         Half of the width to which the boundary was bisected.
     beyond : list of str
-        The kind of motion beyond the boundary, as in `BifurcationDiagram`; empty without one.
+        The kind of motion beyond the boundary, as in `BifurcationDiagram`; empty without one, and
+        "stop" where the ray ends at a stop: no start lies behind it.
     y_beyond : ndarray, shape (m, n)
         A point of the attractor beyond; NaN without one.
     system : System

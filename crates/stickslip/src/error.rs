@@ -155,6 +155,22 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// The gap of a stop is not continuous along the orbit, and negative behind the place.
+    #[error(
+        "the gap of the stop {number} jumps to or from {} at t = {t}, x = {x}; a gap must be \
+            continuous wherever the orbit comes: atan2 jumps where its second number is negative \
+            and its first changes sign", readable(*gap), t = readable(*t)
+    )]
+    GapJumps {
+        /// Number of the stop's impact, counted from the contacts through the jumps.
+        number: usize,
+        /// Gap of the stop near the place.
+        gap: f64,
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// A stop carries at a start, and the state is not on it.
     #[error(
         "the stop {number} carries at t = {t}, x = {x}, but its gap or the rate of that is {} and \
@@ -570,6 +586,7 @@ impl Error {
             Error::StartOutsideDomain { t, x, .. }
             | Error::Undefined { t, x, .. }
             | Error::BehindStop { t, x, .. }
+            | Error::GapJumps { t, x, .. }
             | Error::OffStop { t, x, .. }
             | Error::NonFinite { t, x, .. }
             | Error::StepCollapse { t, x, .. }

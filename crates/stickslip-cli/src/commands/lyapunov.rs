@@ -65,7 +65,7 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
             ),
             // JSON has no infinity.
             Exponent::Annihilated => (
-                annihilated(system).to_owned(),
+                annihilated(system, system.states() - k),
                 json!({ "value": null, "annihilated": true }),
             ),
         };
@@ -116,15 +116,25 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
     Ok(report)
 }
 
-/// Cause of an exponent that is not finite.
-fn annihilated(system: &System) -> &'static str {
-    let has_discrete = system.file.states.iter().any(|state| state.is_discrete);
-    match (system.contacts() > 0, has_discrete) {
-        (false, true) => "-∞ (a discrete state has no neighbours)",
-        (false, false) => "-∞ (a jump annihilates the direction)",
-        (true, false) if system.file.jumps.is_empty() => "-∞ (stick annihilates the direction)",
-        (true, _) => "-∞ (stick or a jump annihilates the direction)",
+/// Cause of an exponent that is not finite, with so many others after it. The last ones are those
+/// of discrete states.
+fn annihilated(system: &System, after: usize) -> String {
+    let discrete = system.file.states.iter().filter(|state| state.is_discrete);
+    if after < discrete.count() {
+        return "-∞ (discrete states take isolated values: no orbit lies a little beside)"
+            .to_owned();
     }
+    let has_jump = system.file.jumps.iter().any(|jump| jump.of_stop.is_none());
+    let causes = [
+        (system.contacts() > 0, "stick"),
+        (has_jump, "a jump"),
+        (!system.file.stops.is_empty(), "rest on a stop"),
+    ];
+    let causes: Vec<&str> = causes
+        .iter()
+        .filter_map(|(is, cause)| is.then_some(*cause))
+        .collect();
+    format!("-∞ ({} annihilates the direction)", causes.join(" or "))
 }
 
 fn figure(system: &System, spectrum: &Spectrum) -> Figure {

@@ -325,3 +325,60 @@ fn check_says_what_a_start_behind_the_surface_of_a_jump_will_do() {
         }
     }
 }
+
+/// A ball that chatters to rest on a shaken table once a period.
+const CHATTER: &str = "name = \"table\"\n[states]\nh = \"\"\nv = \"\"\n[field]\nh = \"v\"\n\
+    v = \"-1\"\n[stops.table]\ngap = \"h - 1.2*sin(t)\"\nacts = { v = 1 }\nrestitution = 0.5\n\
+    [start]\nh = 0\nv = \"1.2\"\n[time]\nperiod = \"2*pi\"\n";
+
+#[test]
+fn an_exponent_that_is_not_finite_has_its_cause() {
+    let (_, words) = printed(CHATTER, &["lyapunov", "system.toml", "--duration", "40"]);
+    for wanted in [
+        "λ1           -∞ (rest on a stop annihilates the direction)",
+        "λ2           -∞ (rest on a stop annihilates the direction)",
+        "λ3           -∞ (discrete states take isolated values",
+    ] {
+        assert!(words.contains(wanted), "{wanted}: {words}");
+    }
+}
+
+#[test]
+fn an_orbit_has_discrete_states_with_the_values_of_jumps() {
+    // Free flight between impacts: nothing but jumps may move the state of the stop.
+    let text = CHATTER
+        .replace("h - 1.2*sin(t)", "h + 0.3")
+        .replace("v = \"-1\"", "v = \"-h - 0.1*v + cos(2.8*t)\"");
+    let text = text.replace("2*pi", "2*pi/2.8").replace("0.5", "0.6");
+    let text = text.replace("h = 0\nv = \"1.2\"", "h = 0.2\nv = 0");
+    let (_, words) = printed(&text, &["orbit", "system.toml"]);
+    assert!(
+        words.contains("table.closed from 0 to 0, at first 0\n"),
+        "{words}"
+    );
+}
+
+#[test]
+fn a_jump_at_a_value_of_a_counter_is_warned_of() {
+    let counter = |when: &str| {
+        format!(
+            "name = \"counter\"\n[states]\nx = \"\"\n[discrete]\nn = 0\n[field]\nx = 1\n\
+             [jumps.tick]\nwhen = \"x - 1\"\ndirection = \"rising\"\n\
+             set = {{ x = 0, n = \"n + 1\" }}\n[jumps.last]\nwhen = \"{when}\"\n\
+             direction = \"rising\"\nstop = true\n[start]\nx = 0\n"
+        )
+    };
+    for (when, is_meant) in [
+        ("n - 3", false),
+        ("2*n - 6", false),
+        ("n - 2.5", true),
+        ("n - 3 + 0.1*x", true),
+        ("x - 3 + n", true),
+    ] {
+        let (_top, mut command) = program(&counter(when));
+        let output = command.args(["check", "system.toml"]).output().unwrap();
+        let words = String::from_utf8(output.stdout).unwrap();
+        let warned = words.contains("the jump last does not occur where n becomes 3");
+        assert_eq!(warned, !is_meant, "{when}: {words}");
+    }
+}

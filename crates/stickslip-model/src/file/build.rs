@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use stickslip::error::readable;
+use stickslip::{Mode, Side};
 
 use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope};
 use super::names::{Meaning, Names};
@@ -180,6 +181,44 @@ pub(super) fn formula(
     let mut graph = Graph::new();
     let inputs = Inputs::free(values, free);
     let tape = alone(file, (&mut graph, inputs), formula, "what is observed")?;
+    Ok(TapeBuild::new(graph, tape))
+}
+
+/// The tape of [`formula`] in a mode of the only contact, whose friction force may stand in it.
+///
+/// # Errors
+/// [`Problem`] of a formula.
+pub(super) fn formula_in_mode(
+    file: &Arc<SystemFile>,
+    values: &[f64],
+    free: Freed,
+    (formula, mode): (&Formula, Mode),
+) -> Result<TapeBuild, Problem> {
+    let mut graph = Graph::new();
+    let inputs = inputs(file, values, free, &mut graph)?;
+    let mut on_side = |above: usize, held: usize| {
+        let scope = Scope::Sides(Combination { above, held });
+        Builder::new(file, inputs, &mut graph, scope).force_and_rate(0)
+    };
+    let force = match mode {
+        Mode::Slip(side) => on_side(usize::from(side == Side::Above), 0)?[0],
+        Mode::Stick => {
+            let [[below, falls], [above, rises]] = [on_side(0, 1)?, on_side(1, 1)?];
+            // The part of the side above in Filippov's combination keeps the rate at zero.
+            let force = (|| {
+                let relative = graph.binary(Binary::Difference, falls, rises)?;
+                let part = graph.binary(Binary::Quotient, falls, relative)?;
+                let more = graph.binary(Binary::Difference, above, below)?;
+                let more = graph.binary(Binary::Product, part, more)?;
+                graph.binary(Binary::Sum, below, more)
+            })();
+            force.map_err(|error| no_number(error, formula.whole()))?
+        }
+    };
+    let scope = Scope::NoSides("what is observed");
+    let builder = Builder::new(file, inputs, &mut graph, scope);
+    let root = builder.with_friction_forces(vec![force]).formula(formula)?;
+    let tape = tape(file, &graph, &[root], inputs)?;
     Ok(TapeBuild::new(graph, tape))
 }
 

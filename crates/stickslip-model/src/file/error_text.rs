@@ -43,10 +43,7 @@ pub trait Interface {
         | Error::StepCollapse { t, x, .. } = error
             && let Some(why) = system.and_then(|system| system.without_reaction(*t, &x.0))
         {
-            return format!(
-                "the orbit cannot go on {}: {why}; lower that friction, or end the run before",
-                at(t, x)
-            );
+            return format!("the orbit cannot go on {}: {why}", at(t, x));
         }
         match error {
             Error::Option { name, value, bound } => format!(
@@ -119,7 +116,9 @@ pub trait Interface {
                     at(t, x)
                 )
             }
-            Error::BehindStop { number, .. } | Error::OffStop { number, .. } => {
+            Error::BehindStop { number, .. }
+            | Error::GapJumps { number, .. }
+            | Error::OffStop { number, .. } => {
                 let numbered = format!("the stop {number} ");
                 // The event belongs to the stop, and its name continues that of the stop.
                 let event = name(*number);

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{PoisonError, RwLock};
 
 use rustc_hash::FxHashMap;
+use stickslip::Mode;
 
 use super::build::TapeBuild;
 use super::builder::Freed;
@@ -29,6 +30,8 @@ pub(super) enum FormulaKey {
     WithForces(String),
     /// An expression in which some parameters are states.
     Observed(String, Box<Freed>),
+    /// The same in a mode of the only contact, with its friction force.
+    ObservedInMode(String, Box<Freed>, Mode),
 }
 
 /// The builds of formulas of one file.

@@ -1,7 +1,8 @@
 //! Formulas of what is measured, and names that only these have.
 
-use stickslip::Scalar;
+use stickslip::dynamics::Modes;
 use stickslip::scalar::Dual;
+use stickslip::{Mode, Scalar, Side};
 
 use super::build;
 use super::builder::Freed;
@@ -12,20 +13,35 @@ use super::{FileError, Formula, Parameter, Source, System, SystemFile};
 use crate::expression::Tape;
 use crate::kernel::{HELD_PER_INPUT, Switching};
 
-/// A formula of time, states, inputs and parameters, some of which are variables.
+/// A formula of time, states, inputs and parameters, some of which are variables. In a system of
+/// one contact it may have the friction force of that contact.
 #[derive(Clone, Debug)]
 pub struct Observed {
-    tape: Tape,
+    /// One tape, or one in each of the modes [`MODES`].
+    tapes: Vec<Tape>,
     switching: Switching,
 }
 
+/// The modes of one contact.
+const MODES: [Mode; 3] = [
+    Mode::Slip(Side::Below),
+    Mode::Slip(Side::Above),
+    Mode::Stick,
+];
+
 impl Observed {
-    /// The value at a time, from the states and the parameters that are variables behind them. An
-    /// input has the value that it has from that time on.
-    pub fn value<T: Scalar>(&self, t: f64, x: &[T]) -> T {
+    /// The value at a time in a mode of the contacts, from the states and the parameters that are
+    /// variables behind them. An input has the value that it has from that time on.
+    pub fn value<T: Scalar>(&self, modes: Modes, t: f64, x: &[T]) -> T {
         let mut out = [T::zero()];
         let x = self.switching.extended(t, x);
-        self.tape.evaluate(T::constant(t), &x, &mut out);
+        let number = match self.tapes.len() {
+            1 => Some(0),
+            _ => MODES.iter().position(|mode| *mode == modes.get(0)),
+        };
+        if let Some(tape) = number.and_then(|number| self.tapes.get(number)) {
+            tape.evaluate(T::constant(t), &x, &mut out);
+        }
         out[0]
     }
 }
@@ -70,11 +86,28 @@ impl System {
             text: text.to_owned(),
         };
         let free = Freed::of(variables);
-        let made = Formula::parsed(text, 0..text.len(), &source)
-            .and_then(|formula| self.observed_tape(free, &formula));
-        let tape = made.map_err(|problem| FileError::wrong(problem, source))?;
+        let made = Formula::parsed(text, 0..text.len(), &source).and_then(|formula| {
+            let mut contacts = self.file.contacts.iter();
+            let has_force = contacts.any(|one| text.contains(&format!("{}.force", one.name)));
+            match has_force && self.contacts() == 1 {
+                true => MODES
+                    .iter()
+                    .map(|mode| self.observed_in(*mode, free, &formula))
+                    .collect(),
+                false => Ok(vec![self.observed_tape(free, &formula)?]),
+            }
+        });
+        let tapes = made.map_err(|problem| FileError::wrong(problem, source))?;
         let switching = self.switching_with(free)?;
-        Ok(Observed { tape, switching })
+        Ok(Observed { tapes, switching })
+    }
+
+    /// The tape of [`System::observed_tape`] in a mode of the only contact, whose friction force
+    /// may stand in the formula.
+    fn observed_in(&self, mode: Mode, free: Freed, formula: &Formula) -> Result<Tape, Problem> {
+        let build = || build::formula_in_mode(&self.file, &self.values, free, (formula, mode));
+        let key = FormulaKey::ObservedInMode(formula.text.clone(), Box::new(free), mode);
+        self.formula_tape(key, build)
     }
 
     /// The tape of a formula of time, states and inputs; the free parameters are states behind.

@@ -141,36 +141,88 @@ impl System {
         self.formula_tape(FormulaKey::Reactions(of), build).ok()
     }
 
-    /// Reason, in words, why a stop that carries at a state has no finite reaction there. On some
-    /// sides of the contacts, the friction that follows the reaction undoes its effect on the gap.
-    /// `None` if all reactions are finite.
+    /// Reason, in words, why stops that carry at a state have no finite reactions there, and the
+    /// remedy. On some sides of the contacts, the friction that follows a reaction undoes its
+    /// effect on the gap, or several stops hold the same motion. `None` if all reactions are
+    /// finite.
     pub(super) fn without_reaction(&self, t: f64, x: &[f64]) -> Option<String> {
         let file = &self.file;
         if file.stops.is_empty() || x.len() != self.states() {
             return None;
         }
         let extended = self.built.switching.extended(t, x);
+        let count = file.stops.len();
+        let carrying: Vec<usize> = (0..count)
+            .filter(|&stop| x[file.stops[stop].closed] > 0.5)
+            .collect();
         sides_to_check(self.contacts()).into_iter().find_map(|above| {
             let (mut graph, inputs) = (Graph::new(), Inputs::fixed(&self.values));
             let of = Combination { above, held: 0 };
             let roots = stops::openings(file, inputs, &mut graph, of).ok()?;
-            let tape = tape(file, &graph, &roots.concat(), inputs).ok()?;
-            let mut values = vec![0.0; 2 * roots.len()];
+            let tape = tape(file, &graph, &roots, inputs).ok()?;
+            let mut values = vec![0.0; roots.len()];
             tape.evaluate(t, &extended, &mut values);
-            let all = file.stops.iter().zip(values.chunks_exact(2));
-            let mut carrying = all.filter(|(stop, _)| x[stop.closed] > 0.5);
-            let (stop, values) =
-                carrying.find(|(_, values)| values[0] <= NO_EFFECT * values[1])?;
+            let coupling = |row: usize, column: usize| values[count * (1 + row) + column];
+            let mut all = carrying.iter();
+            let own = |&&stop: &&usize| coupling(stop, stop) <= NO_EFFECT * values[stop];
+            let Some(&stop) = all.find(own) else {
+                return self.shared_motion(&carrying, coupling);
+            };
+            let (with, alone) = (coupling(stop, stop), values[stop]);
+            let name = &file.stops[stop].name;
+            if alone <= 0.0 {
+                return Some(format!(
+                    "a unit of `acts` of [stops.{name}] changes the second derivative of the gap \
+                     by {} there and must open it; turn its sign, or end the run before",
+                    readable(alone)
+                ));
+            }
             Some(format!(
                 "no motion in contact is consistent there, or several are (Painlevé): a unit of \
-                 the reaction of the stop `{}` changes the second derivative of its gap by {}, \
-                 and by {} with the friction that follows it",
-                stop.name,
-                readable(values[1]),
+                 the reaction of the stop `{name}` changes the second derivative of its gap by {}, \
+                 and by {} with the friction that follows it; lower that friction, or end the run \
+                 before",
+                readable(alone),
                 // Where it vanishes, rounding is left.
-                readable(if values[0].abs() <= NO_EFFECT * values[1] { 0.0 } else { values[0] }),
+                readable(if with.abs() <= NO_EFFECT * alone { 0.0 } else { with }),
             ))
         })
+    }
+
+    /// The stops among these that hold the same motion, in words, with the remedy. The second
+    /// derivatives of their gaps by their reactions depend on each other.
+    fn shared_motion(
+        &self,
+        carrying: &[usize],
+        coupling: impl Fn(usize, usize) -> f64,
+    ) -> Option<String> {
+        let dependent = (1..carrying.len()).find_map(|last| {
+            let (before, last) = (&carrying[..last], carrying[last]);
+            // What the reactions before it do for the gap of the last one.
+            let row = |&row: &usize| {
+                let columns = before.iter().map(|&column| coupling(column, row));
+                columns.chain([coupling(last, row)]).collect()
+            };
+            let parts = solved(before.iter().map(row).collect())?;
+            let shared = before.iter().zip(&parts);
+            let held: f64 = shared.map(|(&row, part)| part * coupling(row, last)).sum();
+            let own = coupling(last, last);
+            let of = before.iter().zip(parts);
+            let of = of.filter(|(_, part)| part.abs() > NO_EFFECT);
+            let all = of.map(|(&stop, _)| stop).chain([last]).collect();
+            (own - held <= NO_EFFECT * own).then_some(all)
+        });
+        let dependent: Vec<usize> = dependent?;
+        let stops = dependent
+            .into_iter()
+            .map(|stop| &self.file.stops[stop].name);
+        let names: Vec<String> = stops.map(|name| format!("`{name}`")).collect();
+        Some(format!(
+            "the reactions of the stops {} are not unique there: these stops hold the same motion, \
+             so that no equation tells how they share the load, even where the accelerations are \
+             unique; leave one of them out, or replace one by a stiff spring in [field]",
+            names.join(", ")
+        ))
     }
 
     /// Impulses of all stops at a transition of a contact or jump with this number, from the state

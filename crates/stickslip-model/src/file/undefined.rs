@@ -1,10 +1,11 @@
 //! Search for the part of a formula that is not a number at a state.
 
 use stickslip::Scalar;
+use stickslip::error::readable;
 
 use super::builder::{Builder, Inputs, Operand, Scope, of_operand};
 use super::formula::{not_finite, where_operands};
-use super::{Contact, Formula, Meaning, System};
+use super::{Contact, Formula, Meaning, StopEntry, System};
 use crate::expression::{Expression, ExpressionKind, Graph, Tape};
 use crate::kernel::{Combination, sides_to_check};
 
@@ -80,16 +81,47 @@ impl System {
         let boundaries =
             boundaries.map(|contact| (of_contact("boundary", contact), &contact.boundary));
         let in_boundaries = at(of_state).first(boundaries);
-        in_boundaries.or_else(|| {
-            let sides = sides_to_check(self.contacts()).into_iter();
-            std::iter::once(of_state).chain(sides).find_map(|above| {
-                let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
-                    let key = format!("`{}` of [field]", state.name);
-                    (key, rate.on_side(above == 1))
-                });
-                at(above).first(rates)
+        in_boundaries
+            .or_else(|| {
+                let sides = sides_to_check(self.contacts()).into_iter();
+                std::iter::once(of_state).chain(sides).find_map(|above| {
+                    let rates = file.states.iter().zip(&file.field).map(|(state, rate)| {
+                        let key = format!("`{}` of [field]", state.name);
+                        (key, rate.on_side(above == 1))
+                    });
+                    at(above).first(rates)
+                })
             })
-        })
+            .or_else(|| at(of_state).first(file.stops.iter().map(gap_of)))
+    }
+
+    /// Reason, in words, why no impulses follow the law of impact at a stop, or at one that touches
+    /// with it. The state has what inputs hold.
+    fn without_impulse(&self, stop: usize, t: f64, x: &[f64]) -> Option<String> {
+        let law = self.built.switching.impacts.as_ref()?;
+        let faulty = law.touching(stop, t, x).into_iter().find_map(|touching| {
+            let name = &self.file.stops[touching.stop].name;
+            let opens = touching.coupling[touching.stop];
+            let of_acts = || {
+                format!(
+                    "a unit of `acts` of [stops.{name}] changes the rate of the gap by {} there \
+                     and must open it",
+                    readable(opens)
+                )
+            };
+            let of_restitution = || {
+                format!(
+                    "`restitution` of [stops.{name}] is not between 0 and 1 there but {}",
+                    readable(touching.restitution)
+                )
+            };
+            match touching.has_restitution() {
+                _ if opens <= 0.0 => Some(of_acts()),
+                false => Some(of_restitution()),
+                true => None,
+            }
+        });
+        faulty.or_else(|| Some("no impulses follow the law of impact there".to_owned()))
     }
 
     /// The part of a jump or a switch that is not a finite number at a time and state. The number
@@ -110,14 +142,8 @@ impl System {
             return evaluation.first([(key, function)].into_iter());
         };
         if let Some((stop, _)) = jump.of_stop {
-            let stop = &file.stops[stop];
-            let gap = (format!("`gap` of [stops.{}]", stop.name), &stop.gap);
-            return evaluation.first(std::iter::once(gap)).or_else(|| {
-                let name = &stop.name;
-                Some(format!(
-                    "`restitution` of [stops.{name}] is not between 0 and 1 there"
-                ))
-            });
+            let undefined = evaluation.first(std::iter::once(gap_of(&file.stops[stop])));
+            return undefined.or_else(|| self.without_impulse(stop, t, &evaluation.x));
         }
         let key = |key: &str| format!("`{key}` of [jumps.{}]", jump.name);
         let set = jump
@@ -134,6 +160,11 @@ impl System {
         when.or_else(|| evaluation.first_part(conditions.into_iter()))
             .or_else(|| evaluation.first(set))
     }
+}
+
+/// The gap of a stop with its key.
+fn gap_of(stop: &StopEntry) -> (String, &Formula) {
+    (format!("`gap` of [stops.{}]", stop.name), &stop.gap)
 }
 
 /// The key of a formula of a contact.

@@ -14,7 +14,7 @@ use crate::expression::Tape;
 
 /// A gap counts as closed, and a rate as zero, up to this part of the sizes of its terms. It is
 /// some thousand units in the last place: the rounding of a sum of as many terms.
-pub(super) const ROUNDING: f64 = 1e-12;
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 /// The law of impact of the stops of a system.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,11 +30,13 @@ pub struct Impacts {
 }
 
 /// A stop at an impact.
-struct Touching<T> {
-    stop: usize,
+pub(crate) struct Touching<T> {
+    /// Number of the stop.
+    pub stop: usize,
     gap: T,
     rate: T,
-    restitution: T,
+    /// Restitution.
+    pub restitution: T,
     /// Size of the terms of the rate.
     size: f64,
     /// The error in the rate of a gap that is closed, which is no motion.
@@ -44,13 +46,20 @@ struct Touching<T> {
     /// Whether it carries after a landing: that stop, and those that carried before. A reaction
     /// that then would pull ends at once.
     lands: bool,
-    coupling: Vec<T>,
+    /// What a unit of impulse at each stop adds to the rate.
+    pub coupling: Vec<T>,
 }
 
 impl<T: Scalar> Touching<T> {
     /// Whether the body comes nearer to a stop that is open.
     fn bounces(&self) -> bool {
         self.rate.value() < 0.0 && !self.carries && !self.lands
+    }
+
+    /// Whether the restitution is between 0 and 1. A stop that separates gives nothing back, and
+    /// has no speed of approach.
+    pub(crate) fn has_restitution(&self) -> bool {
+        !self.bounces() || (0.0..=1.0).contains(&self.restitution.value())
     }
 
     /// The rate that the law compares with, without impulses.
@@ -178,6 +187,12 @@ impl Impacts {
         self.impulses_of(&ImpactCause::Jump(kicks), t, x)
     }
 
+    /// The stops that take part in the impact of one of them.
+    pub(crate) fn touching(&self, stop: usize, t: f64, x: &[f64]) -> Vec<Touching<f64>> {
+        let strike = self.struck(&ImpactCause::Impact(stop), t, x);
+        strike.map_or_else(Vec::new, |strike| strike.touching)
+    }
+
     fn impulses_of(&self, cause: &ImpactCause, t: f64, x: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; self.closed.len()];
         if let Some(Strike {
@@ -281,10 +296,8 @@ impl Impacts {
         if impact.is_none() && touching.iter().all(|one| one.carries) {
             return None;
         }
-        // A stop that separates gives nothing back, and has no speed of approach.
-        let is_defined =
-            |one: &Touching<T>| !one.bounces() || (0.0..=1.0).contains(&one.restitution.value());
-        let impulses = touching.iter().all(is_defined).then(|| impulses(&touching));
+        let is_defined = touching.iter().all(Touching::has_restitution);
+        let impulses = is_defined.then(|| impulses(&touching));
         Some(Strike {
             impulses: impulses.flatten(),
             touching,

@@ -17,6 +17,7 @@ use stickslip::{Ending, Error, Options, TransitionKind};
 pub use compiled::{Size, dynamics};
 pub use conditions::{Choice, JumpCondition};
 pub use impacts::Impacts;
+pub(crate) use impacts::ROUNDING;
 pub use inputs::{HELD_PER_INPUT, Input, InputPiece, Jump, Map, Shape, Switching, pulse};
 pub use system::{
     ByCombination, Combination, Equations, Fields, SectionFunction, TapedContacts, TapedFilippov,

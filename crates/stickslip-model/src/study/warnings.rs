@@ -34,6 +34,10 @@ pub fn warnings(
         let all = system.file.jumps.iter().enumerate();
         let jumps = all.filter_map(|(jump, of)| of.of_stop.is_none().then_some(jump));
         let jumps = jumps.filter(|jump| !done.contains(jump));
+        let jumps: Vec<usize> = jumps.collect();
+        let counters = jumps.iter();
+        warnings.extend(counters.filter_map(|&jump| warning_of_counter(system, jump, start)));
+        let jumps = jumps.into_iter();
         warnings.extend(jumps.filter_map(|jump| warning_of_jump(system, jump, start)));
         warnings.extend(left_out(system, start, &done));
         warnings.extend(error.map(|error| {
@@ -93,6 +97,48 @@ fn warning_of_contact(
             readable(-holding),
             readable(-slip)
         )
+    })
+}
+
+/// A jump whose function has a discrete state alone and is zero at a whole number of it, as
+/// `n - 3`. The function stands at zero there, and changes sign only with the next number.
+fn warning_of_counter(system: &System, number: usize, (t, x): (f64, &[f64])) -> Option<String> {
+    let (described, switching) = (&system.file.jumps[number], &system.built.switching);
+    let jump = &switching.jumps[number];
+    let is_discrete = |state: usize| system.file.states[state].is_discrete;
+    let mut values = vec![0.0; switching.room()];
+    let mut height = |t: f64, x: &[f64]| {
+        jump.when
+            .evaluate(t, &switching.extended(t, x), &mut values[..1]);
+        values[0]
+    };
+    let here = height(t, x);
+    let moved = x.iter().enumerate().map(|(k, x)| match is_discrete(k) {
+        true => *x,
+        false => *x + 1.0 / (1.0 + k as f64),
+    });
+    let moved: Vec<f64> = moved.collect();
+    if height(t + 1.0, &moved) != here {
+        return None;
+    }
+    let mut states = (0..x.len()).filter(|&state| is_discrete(state));
+    states.find_map(|state| {
+        let mut at = |value: f64| {
+            let mut x = x.to_vec();
+            x[state] = value;
+            height(t, &x)
+        };
+        let whole = (x[state] - here / (at(x[state] + 1.0) - here)).round();
+        let is_zero = whole.is_finite() && at(whole) == 0.0 && at(whole + 1.0) != 0.0;
+        let (name, state) = (&described.name, &system.file.states[state].name);
+        is_zero.then(|| {
+            format!(
+                "the jump {name} does not occur where {state} becomes {whole}: its function {} is \
+                 zero there, and changes sign only as {state} goes on; write a function that is \
+                 zero between two values of {state}",
+                described.when.text
+            )
+        })
     })
 }
 

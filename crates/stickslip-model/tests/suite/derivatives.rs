@@ -509,3 +509,105 @@ fn kinks_of_two_inputs_at_one_instant_have_derivatives_where_their_order_is_noth
         assert!(start.lost.is_none() && (start.states[0][(0, 0)] - 1.0).abs() < 1e-12);
     }
 }
+
+#[test]
+fn a_start_on_what_moves_is_taken_along_by_it() {
+    // A later start on the table does not change the motion that the table imposes, nor where it
+    // throws the ball.
+    let carried = r#"
+name = "case"
+[states]
+h = ""
+v = ""
+[field]
+h = "v"
+v = "-1"
+[stops.table]
+gap = "h - 1.5*sin(t)"
+acts = { v = 1 }
+restitution = 0.5
+[start]
+h = "1.5*sin(0.25)"
+v = "1.5*cos(0.25)"
+table.closed = 1
+[time]
+start = 0.25
+end = 4
+"#;
+    // The belt takes the block along, which rests on it.
+    let stuck = r#"
+name = "case"
+[states]
+x = ""
+v = ""
+[contacts.belt]
+boundary = "v - sin(t)"
+friction = 5
+[field]
+x = "v"
+v = "-x - friction(belt)"
+[start]
+x = 0.1
+v = "sin(0.25)"
+[time]
+start = 0.25
+end = 4
+"#;
+    for method in METHODS {
+        let of = found(&system(carried), &["t0"], &[0.25, 0.5, 2.0, 4.0], method);
+        assert!(of.lost.is_none(), "{:?}", of.lost);
+        for by in &of.states {
+            assert!(by.amax() < 1e-12, "{method}: {by}");
+        }
+        assert!(of.transitions[0].t[0].abs() < 1e-12, "{method}");
+        for by in found(&system(stuck), &["t0"], &[0.25, 0.5, 1.0], method).states {
+            let exact = [-math::sin(0.25), 0.0];
+            for (found, exact) in by.iter().zip(exact) {
+                assert!((found - exact).abs() < 1e-12, "{method}: {by}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_plastic_impact_at_another_event_leaves_no_speed_off_the_stop() {
+    // A body lands on a floor in the instant in which a block crosses a boundary.
+    let joint = r#"
+name = "case"
+[states]
+h = ""
+v = ""
+u = ""
+[parameters]
+e = 0
+[contacts.belt]
+boundary = "u"
+friction = 0.5
+[field]
+h = "v"
+v = "-1"
+u = "1 - friction(belt)"
+[stops.floor]
+gap = "h"
+acts = { v = 1 }
+restitution = "e"
+[start]
+h = 1
+v = 0
+u = "-1.5*sqrt(2)"
+[time]
+end = 3
+"#;
+    for method in METHODS {
+        for names in [&["e"][..], &["e", "h"], &["h", "u", "e"]] {
+            let of = found(&system(joint), names, &[2.0, 3.0], method);
+            assert!(of.lost.is_none(), "{:?}", of.lost);
+            for by in &of.states {
+                for state in [0, 1] {
+                    let row = by.row(state);
+                    assert!(row.amax() < 1e-12, "{method}, {names:?}: {by}");
+                }
+            }
+        }
+    }
+}

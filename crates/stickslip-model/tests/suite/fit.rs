@@ -154,6 +154,40 @@ fn an_exact_record_gives_back_what_made_it() {
 }
 
 #[test]
+fn the_force_of_a_contact_is_fitted_in_slip_and_in_stick() {
+    let file = parsed(BELT);
+    let times = times(80, 0.31);
+    let columns = exact(&file, &["x", "v", "belt.force"], &times);
+    let mut sticks = 0;
+    for (k, &force) in columns[2].iter().enumerate() {
+        let [x, v] = [0, 1].map(|column: usize| columns[column][k]);
+        let slip = v - 0.3;
+        let of_motion = match slip.abs() < 1e-9 {
+            true => -x,
+            false => slip.signum() * 0.5 / (1.0 + slip.abs()),
+        };
+        sticks += usize::from(slip.abs() < 1e-9);
+        assert!(
+            (force - of_motion).abs() < 1e-9,
+            "{k}: {force} and {of_motion}"
+        );
+    }
+    assert!((10..70).contains(&sticks), "{sticks}");
+    // The force jumps where the block sticks. So the sum of squares has steps, and the search
+    // begins within the one of the truth.
+    let unknowns = vec![unknown("mu", Some(0.4995)), unknown("fall", Some(0.999))];
+    let mut request = request(file, unknowns, vec![observable("belt.force", None)]);
+    request
+        .records
+        .push(record(&times, vec![columns[2].clone()]));
+    let found = fit(&request).unwrap();
+    for (name, truth) in [("mu", 0.5), ("fall", 1.0)] {
+        let off = (value(&found, name) - truth).abs();
+        assert!(off < 1e-7, "{name}: {off}, {:?}", found.end);
+    }
+}
+
+#[test]
 fn shipped_systems_give_back_their_parameters() {
     for (name, unknowns) in [
         ("belt", [("mu0", 0.9), ("vp", 1.05), ("k2", 1.1)]),
@@ -845,13 +879,20 @@ fn two_records(names: &[&str]) -> FitRequest {
 #[test]
 fn covariances_where_a_fit_begins_are_those_of_differences_of_runs() {
     const STEP: f64 = 1e-5;
-    let names: [&[&str]; 2] = [
-        &["mu", "speed", "T", "gain", "off"],
+    const BY_STATES: &str = "x*x + push + sin(v)";
+    let cases: [(&[&str], &str); 3] = [
+        (&["mu", "speed", "T", "gain", "off"], BY_STATES),
         // A velocity as well would leave a start that moves along its orbit.
-        &["mu", "x", "t0", "gain"],
+        (&["mu", "x", "t0", "gain"], BY_STATES),
+        // The law in slip, and in stick what the drive and the spring ask for.
+        (
+            &["mu", "speed", "T", "gain", "off"],
+            "belt.force + x*belt.force",
+        ),
     ];
-    for names in names {
-        let at_start = two_records(names);
+    for (names, second) in cases {
+        let mut at_start = two_records(names);
+        at_start.observables[1] = observable(second, Some(2e-5));
         let begun = fit(&at_start).unwrap();
         // Residuals over deviations, for each record.
         let residuals = |found: &Fit, number: usize| {

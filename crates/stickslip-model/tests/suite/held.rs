@@ -418,7 +418,7 @@ fn what_is_observed_is_built_once() {
         assert!((values[1] - wanted[1]).abs() < 1e-12, "{values:?}");
         assert_eq!(values[3], 0.0);
         let formula = here.observed("x*F", &[0]).unwrap();
-        assert_eq!(formula.value(0.0, &[&x[..], &[3.0]].concat()), 1.5);
+        assert_eq!(formula.value(modes, 0.0, &[&x[..], &[3.0]].concat()), 1.5);
         let mut watch = FrictionWatch::new(&here);
         let x = Vector::from_column_slice(&[0.0, 1.0, 0.2, 0.1, 0.0, 0.0]);
         let from = &Moment { t: 0.0, x };

@@ -355,3 +355,29 @@ fn starts_whose_orbits_rest_belong_to_the_equilibrium_there() {
     assert_eq!(attractor.kind, AttractorKind::Equilibrium);
     assert!(found.reached.iter().all(|&reached| reached == 0));
 }
+
+#[test]
+fn what_goes_on_through_an_accumulation_keeps_its_value() {
+    // A rate that changes fast, beside a motion that comes to rest.
+    let v = "0.4*sin(3*t) - 0.2*x - by_side(place, -2, 2) - by_side(speed, -1, 1)";
+    let (contacts, rate) = ([("place", "x"), ("speed", "v")], "100*cos(20*t)");
+    let rates = [("x", "v"), ("v", v), ("c", rate)];
+    let text = system(10.0, &contacts, &rates, &[1.0, 0.0, 0.0]);
+    for method in METHODS {
+        for tolerance in [1e-8, 1e-12] {
+            let options = Options {
+                rtol: tolerance,
+                ..rest(method).atol(tolerance)
+            };
+            let (run, transitions) = simulated_by(&text, &options, None);
+            assert_eq!(transitions.last().unwrap().1, "stick entry");
+            assert_eq!(run.ending(), Ending::EndTime);
+            let off = end(&run, "c") - 5.0 * stickslip::math::sin(200.0);
+            // The rate is a hundred times the size of the states.
+            assert!(
+                off.abs() < 10.0 * tolerance,
+                "{method}, {tolerance}: {off:e}"
+            );
+        }
+    }
+}

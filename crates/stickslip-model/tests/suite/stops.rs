@@ -561,8 +561,14 @@ end = 12
 }
 
 /// Replacements in the ball that are refused: old text, new text, a part of the message.
-const WRONG: [[&str; 3]; 10] = [
+const WRONG: [[&str; 3]; 13] = [
     ["gap = \"h\"", "gap = \"v\"", "acts on its gap's rate"],
+    ["gap = \"h\"", "gap = \"h^2\"", "vanishes where it closes"],
+    [
+        "gap = \"h\"",
+        "gap = \"1 - cos(h - g)\"",
+        "vanishes where it closes",
+    ],
     ["gap = \"h\"", "gap = \"abs(h)\"", "is not smooth in time"],
     [
         "acts = { v = 1 }",
@@ -570,6 +576,11 @@ const WRONG: [[&str; 3]; 10] = [
         "does not move its gap",
     ],
     ["acts = { v = 1 }", "acts = { v = -1 }", "but must open it"],
+    [
+        "acts = { v = 1 }",
+        "acts = { v = -1 }",
+        "draws the bodies together",
+    ],
     [
         "acts = { v = 1 }",
         "acts = { w = 1 }",
@@ -732,5 +743,146 @@ fn a_quantity_that_is_wrong_is_reported() {
     ] {
         let error = system.quantities(&[(name, formula)]).err().unwrap();
         assert!(error.to_string().contains(message), "{error}");
+    }
+}
+
+/// A rigid body on three feet, of which two hold it.
+const FEET: &str = r#"name = "Three feet"
+[states]
+y = ""
+phi = ""
+v = ""
+om = ""
+[parameters]
+l = 1
+c = 3
+[field]
+y = "v"
+phi = "om"
+v = "-1"
+om = 0
+[stops.left]
+gap = "y - l*phi"
+acts = { v = 1, om = "-c*l" }
+restitution = 0
+[stops.middle]
+gap = "y"
+acts = { v = 1 }
+restitution = 0
+[stops.right]
+gap = "y + l*phi"
+acts = { v = 1, om = "c*l" }
+restitution = 0
+[start]
+y = 1
+phi = 0
+v = 0
+om = 0
+[time]
+end = 5
+"#;
+
+#[test]
+fn redundant_stops_are_named() {
+    // Elimination leaves zero or rounding of either sign for the third reaction.
+    for method in METHODS {
+        for (l, c) in [(1.0, 3.0), (0.3, 3.0), (1.3, 2.2), (2.7, 1.7), (0.9, 3.0)] {
+            let feet = with(FEET, &[("l", l), ("c", c)]);
+            let run = Run::of(feet, &options(method), None);
+            let words = run.words();
+            let whole = "the reactions of the stops `left`, `middle`, `right` are not unique there";
+            assert!(words.contains(whole), "{method}, {l}, {c}: {words}");
+            assert!(words.contains("leave one of them out"), "{words}");
+        }
+        let without = FEET.split("[stops.middle]").collect::<Vec<_>>();
+        let two = format!("{}[stops.right]{}", without[0], {
+            without[1].split("[stops.right]").nth(1).unwrap()
+        });
+        let run = Run::of(system(&two), &options(method), None);
+        assert_eq!(run.ending(), Ending::EndTime);
+    }
+}
+
+#[test]
+fn a_reaction_that_pulls_on_the_way_is_told_from_its_restitution() {
+    for (before, after, message) in [
+        (
+            "acts = { v = 1 }",
+            "acts = { v = \"-v^2 - 0.1\" }",
+            "a unit of `acts` of [stops.floor] changes the rate of the gap by -2.1 there",
+        ),
+        (
+            "restitution = \"e\"",
+            "restitution = \"approach\"",
+            "`restitution` of [stops.floor] is not between 0 and 1 there but 1.414",
+        ),
+    ] {
+        let run = Run::of(
+            system(&BALL.replace(before, after)),
+            &options("taylor"),
+            None,
+        );
+        let words = run.words();
+        assert!(words.contains(message), "{words}");
+    }
+}
+
+/// A body on a circle, with a gap in its angle. It comes to the cut of `atan2` at π.
+const TURNING: &str = r#"name = "Turning body"
+[states]
+x = ""
+y = ""
+u = ""
+w = ""
+[field]
+x = "u"
+y = "w"
+u = "-x"
+w = "-y"
+[stops.wall]
+gap = "GAP"
+acts = { w = "SIGN*x/(x^2 + y^2)", u = "-SIGN*y/(x^2 + y^2)" }
+restitution = 0.5
+[start]
+x = 1
+y = 0
+u = 0
+w = "SIGN"
+[time]
+end = 20
+[parameters]
+SIGN = 1
+"#;
+
+#[test]
+fn a_gap_that_jumps_is_told_with_its_place() {
+    for method in METHODS {
+        for (sign, gap) in [(1.0, "atan2(y, x) + 0.5"), (-1.0, "2.5 - atan2(y, x)")] {
+            let turning = with(&TURNING.replace("GAP", gap), &[("SIGN", sign)]);
+            let run = Run::of(turning, &options(method), None);
+            assert_eq!(run.transitions, [], "{method}, {gap}");
+            let Err(Error::GapJumps { t, .. }) = run.ended else {
+                panic!("{method}, {gap}: {:?}", run.ended);
+            };
+            close(t, PI, 1e-12, method);
+            let words = run.words();
+            assert!(
+                words.contains("the gap of the stop `wall` jumps to or from"),
+                "{words}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_gap_without_value_is_named() {
+    let ball = BALL.replace("gap = \"h\"", "gap = \"asin(h)\"");
+    let from = |h: f64, v: f64| {
+        let start = (0.0, vec![h, v, 0.0, 0.0]);
+        Run::from(system(&ball), &options("taylor"), (start, 5.0)).words()
+    };
+    for words in [from(3.0, 0.0), from(0.5, 4.0)] {
+        let part = "in `gap` of [stops.floor], `asin(h)` is not a number";
+        assert!(words.contains(part), "{words}");
     }
 }

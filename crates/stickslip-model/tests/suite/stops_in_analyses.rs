@@ -801,6 +801,17 @@ fn a_body_at_rest_on_a_stop_is_pushed_off_it() {
     let [against, off] = [against, off].map(|push: Option<Push>| push.unwrap().size);
     assert!((off / against - 0.6).abs() < 1e-7, "{off} and {against}");
 
+    // A start cannot lie behind the wall, and one in front of it comes back.
+    let into = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
+    let near = [0.5 - 0.125, 0.0, 0.0];
+    let found = least_pushes(system.dynamics(), near, into, &how, &within, &options).unwrap();
+    let [Some(into), Some(off)] = &found[..] else {
+        panic!("{found:?}");
+    };
+    assert!(into.ends_at_stop && !off.ends_at_stop);
+    assert!((into.size - 0.125).abs() < 1e-8, "{}", into.size);
+    assert!((off.size - 0.375).abs() < 1e-7, "{}", off.size);
+
     // The edge between both basins is the saddle.
     let how = EdgeSettings::within(200.0);
     let edge = edge_state(

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Attractor, EdgeKind, EdgeSettings, PushSettings, SharesAt, edge_state as edge_between,
+    Attractor, EdgeKind, EdgeSettings, Push, PushSettings, SharesAt, edge_state as edge_between,
     least_pushes, shares_at,
 };
 use stickslip::dynamics::Vector;
@@ -104,13 +104,18 @@ pub(crate) fn least_push<'py>(
     let found = outcome.whole(|error: Failure| error.raised(compiled))?;
     let fields = Fields::new(py);
     let all = || found.iter().map(Option::as_ref);
-    fields.optional_numbers("size", all().map(|one| Some(one?.size)))?;
-    fields.optional_numbers("uncertainty", all().map(|one| Some(one?.uncertainty)))?;
-    let kind = |one: &Attractor| one.kind.word();
-    let kinds = all().map(|one| one.map_or("", |one| kind(&one.beyond)));
+    // A ray that ends at a stop leads out of no basin.
+    let out = || all().map(|one| one.filter(|one| !one.ends_at_stop));
+    fields.optional_numbers("size", out().map(|one| Some(one?.size)))?;
+    fields.optional_numbers("uncertainty", out().map(|one| Some(one?.uncertainty)))?;
+    let kind = |one: &Push| match one.ends_at_stop {
+        true => "stop",
+        false => one.beyond.kind.word(),
+    };
+    let kinds = all().map(|one| one.map_or("", kind));
     fields.texts("beyond", kinds)?;
     let nowhere = Vector::from_element(compiled.states(), f64::NAN);
-    let state = |one: Option<&stickslip::analysis::Push>| {
+    let state = |one: Option<&Push>| {
         let state = one.and_then(|one| Some(one.beyond.points.first()?.x.clone()));
         state.unwrap_or_else(|| nowhere.clone())
     };

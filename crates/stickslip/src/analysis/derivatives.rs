@@ -252,18 +252,19 @@ fn columns_at_start(
     start: &Moment,
     by: &[Variable],
 ) -> Result<Vec<Vector>, Error> {
-    let mode = orbit.mode();
-    let mut all = TangentMap::identity(system);
+    let (mode, states) = (orbit.mode(), system.states());
+    // A later start lags behind the motion. A boundary or a stop that moves takes it along.
+    let mut all = TangentMap::identity(system).with(-velocity_in(system, mode, start));
     all.begin(system, mode, start);
     let all = all.matrix();
     let column = |variable: &Variable| match *variable {
-        Variable::Start(state) if state < all.ncols() => Ok(all.column(state).into_owned()),
+        Variable::Start(state) if state < states => Ok(all.column(state).into_owned()),
         Variable::Start(state) => Err(Error::Parameter {
             name: "the state of a derivative",
             value: state as f64,
             bound: "below the number of states",
         }),
-        Variable::StartTime => Ok(-velocity_in(system, mode, start)),
+        Variable::StartTime => Ok(all.column(states).into_owned()),
     };
     by.iter().map(column).collect()
 }

@@ -128,6 +128,12 @@ impl TangentMap {
         }
     }
 
+    /// The map with a further column.
+    pub(super) fn with(mut self, column: Vector) -> Self {
+        self.columns.push(column);
+        self
+    }
+
     /// The derivative as a matrix.
     pub(super) fn matrix(&self) -> Matrix {
         Matrix::from_columns(&self.columns)

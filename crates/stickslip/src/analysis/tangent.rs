@@ -208,11 +208,18 @@ impl<'a> Tangent<'a> {
         let joint = check_order(self.system, at, cause, columns)?;
         let jump = self.jump(at, cause)?;
         Ok(match (joint, jump) {
-            (Some(matrix), Some(jump)) => Some(Saltation {
-                determinant: matrix.determinant(),
-                matrix,
-                ..jump
-            }),
+            (Some(matrix), Some(jump)) => {
+                let after = Moment {
+                    t: at.t,
+                    x: self.system.reset(at.contact, &at.moment()).after,
+                };
+                let matrix = self.landed(at, &after, matrix);
+                Some(Saltation {
+                    determinant: matrix.determinant(),
+                    matrix,
+                    ..jump
+                })
+            }
             (_, jump) => jump,
         })
     }

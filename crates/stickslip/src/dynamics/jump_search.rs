@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use numerics::bisect;
+
 use super::OrbitProgress;
 use super::jumps::{Jumps, allowed, kept, landed};
 use super::section::TypedFunctions;
@@ -251,6 +253,45 @@ where
         }
     }
 
+    /// Whether a gap is continuous over the last step, at whose end it is closed or negative.
+    ///
+    /// # Errors
+    /// [`Error::GapJumps`].
+    fn check_continuous(
+        &self,
+        number: usize,
+        integration: &mut Integration<'a, S, N, G>,
+    ) -> Result<(), Error> {
+        let gap = |at: &Timed<N>| self.jumps.when(number, at.t, components(&at.x));
+        let end = integration.at();
+        if gap(&end).abs() <= self.search.tolerated(number, &end, integration.options()) {
+            return Ok(());
+        }
+        let step = integration.last_step();
+        let options = integration.options();
+        let least = |at: &Timed<N>| self.search.tolerated(number, at, options);
+        let at = |t: f64| Timed {
+            t,
+            x: step.dense.at_time(t),
+        };
+        // The event may lie to either side of the place.
+        let rounding = |t: f64| f64::max(TIME_ROUNDING * t.abs(), f64::MIN_POSITIVE);
+        let to = end.t + rounding(end.t);
+        let behind = at(bisect(step.t_start, to, |t| gap(&at(t)) < 0.0));
+        let before = at(behind.t - rounding(behind.t));
+        // Rounding of time moves a continuous gap by rounding.
+        let far = least(&before).max(least(&behind));
+        match gap(&before) - gap(&behind) > far {
+            true => Err(Error::GapJumps {
+                number: self.contacts + number,
+                gap: gap(&behind),
+                t: behind.t,
+                x: Point::from(&behind.x),
+            }),
+            false => Ok(()),
+        }
+    }
+
     /// The jump that is due where the function of this one goes on from zero. It is the one that
     /// follows its accumulation, if the rate is zero within the tolerance of the state.
     fn closing(&self, number: usize, integration: &Integration<'a, S, N, G>) -> usize {
@@ -353,7 +394,12 @@ where
                 integration.stop_at(integration.at());
                 self.due.push_back(PendingJump::at_once(number));
             }
-            self.check(integration)?;
+            if let Err(error) = self.check(integration) {
+                if let Error::BehindStop { number, .. } = error {
+                    self.check_continuous(number - self.contacts, integration)?;
+                }
+                return Err(error);
+            }
             self.stay_on_stops(integration);
             return Ok(());
         };
@@ -477,6 +523,9 @@ where
             return Ok(None);
         }
         let number = hidden.unwrap_or(due.number);
+        if self.jumps.is_never_negative(number) {
+            self.check_continuous(number, integration)?;
+        }
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
         let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();

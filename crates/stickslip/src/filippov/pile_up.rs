@@ -440,11 +440,16 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
         if uncertainty > SERIES_AGREEMENT * left || !is_behind {
             return None;
         }
-        // No component converges slower than time does. One that oscillates has a negative ratio.
+        // The mean rate over a round goes on to change in time as it has. One that oscillates has a
+        // negative ratio.
         let remaining = State::from(std::array::from_fn::<_, N, _>(|i| {
             let own = moved[i] / moved_before[i];
-            if own.is_finite() {
-                moved[i] * rounds_left(own.clamp(-ratio, ratio))
+            if own > 0.0 && own.is_finite() {
+                let [rate, rate_before] = [moved[i] / d0, moved_before[i] / d1];
+                let bend = (rate - rate_before) / (d0 + d1);
+                left * (rate + bend * (left + d0))
+            } else if own.is_finite() {
+                moved[i] * rounds_left(own.max(-ratio))
             } else {
                 0.0
             }

@@ -1,7 +1,8 @@
 //! Least pushes out of basins.
 
 use rayon::prelude::*;
-use stickslip::analysis::{Push, PushSettings, least_pushes};
+use stickslip::Error;
+use stickslip::analysis::{AttractorKind, Push, PushSettings, least_pushes};
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
 use stickslip_model::file::{System, number};
@@ -101,8 +102,10 @@ struct PushRow {
     direction: String,
     /// State that is pushed.
     from: Vector,
-    /// Largest push that was tried; not positive from outside the plane.
+    /// Largest push that can be tried; not positive from outside the plane.
     largest: f64,
+    /// Stop behind which larger pushes lead.
+    stop: Option<String>,
     push: Option<Push>,
     /// Number of the attractor beyond, if it is one, and its motion.
     beyond: Option<(Option<usize>, &'static str)>,
@@ -130,12 +133,23 @@ pub(super) fn pushes(
         } else {
             None
         };
+        let stopped = push.as_ref().filter(|push| push.ends_at_stop);
+        let stop = stopped.and_then(|push| match &push.beyond.kind {
+            AttractorKind::Failure(Error::BehindStop { number, .. }) => {
+                let impact = of.system.contact_name(*number);
+                impact.rsplit_once('.').map(|(stop, _)| stop.to_owned())
+            }
+            _ => None,
+        });
+        let largest = stopped.map_or(largest, |push| push.size);
+        let push = push.filter(|push| !push.ends_at_stop);
         let beyond = push.as_ref().map(|push| of.numbered(&push.beyond));
         Ok(PushRow {
             attractor,
             direction: direction.text.clone(),
             from,
             largest,
+            stop,
             push,
             beyond,
         })
@@ -152,7 +166,14 @@ pub(super) fn pushes(
                 )
             }
             _ if row.largest > 0.0 => {
-                format!("none up to {}, where the plane ends", readable(row.largest))
+                let largest = readable(row.largest);
+                match &row.stop {
+                    Some(stop) => format!(
+                        "none up to {largest}, where it comes to the stop `{stop}`: a start must \
+                         not be behind it"
+                    ),
+                    None => format!("none up to {largest}, where the plane ends"),
+                }
             }
             _ => "not tried, as the attractor lies outside the plane".to_owned(),
         };

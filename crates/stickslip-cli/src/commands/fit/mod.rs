@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     /// Quantity that a column of the data measures; can be repeated
     ///
     /// A formula of states, inputs, parameters and t, with the name of the column in front where
-    /// it is not the formula itself, as in force=k*z.
+    /// it is not the formula itself, as in force=k*z. With one contact, NAME.force is its friction.
     #[arg(long, value_name = "COLUMN=FORMULA", required = true)]
     observe: Vec<String>,
     /// Standard deviation of the noise of a column, or of all; estimated where it is not given

@@ -7,7 +7,7 @@ use stickslip::error::readable;
 use super::super::Formula;
 use super::calls::wrong_count;
 use super::{BuildResult, Builder, PartState, Problem, Scope, no_number};
-use crate::expression::{Expression, Test};
+use crate::expression::{Expression, GraphInput, Id, Test};
 
 impl Builder<'_> {
     /// The friction force of a contact: its sign times the law that holds in this mode, and zero if
@@ -53,6 +53,26 @@ impl Builder<'_> {
                 force.map_err(|error| no_number(error, place))
             }
         }
+    }
+
+    /// The friction force of a contact in this combination of sides, and the rate of its boundary
+    /// with the field there.
+    pub fn force_and_rate(&mut self, number: usize) -> Result<[Id; 2], Problem> {
+        let force = self.friction_force(number)?;
+        let field = self.field()?;
+        let contact = &self.file.contacts[number];
+        let scope = std::mem::replace(&mut self.scope, Scope::NoSides("a boundary"));
+        let boundary = self.formula(&contact.boundary);
+        self.scope = scope;
+        let (boundary, wrong) = (boundary?, contact.boundary.whole());
+        let rate = self.graph.constant(1.0).and_then(|one| {
+            let rate = self.graph.along(boundary, |of| match of {
+                GraphInput::Time => Some(one),
+                GraphInput::State(state) => field.get(state).copied(),
+            })?;
+            rate.map_or_else(|| self.graph.constant(0.0), Ok)
+        });
+        Ok([force, rate.map_err(|error| no_number(error, wrong))?])
     }
 
     /// The size of the friction of a contact in this mode: its law, or zero if it has none or the

@@ -266,9 +266,12 @@ impl<'a> Builder<'a> {
                 None => {
                     let contact = &self.file.contacts[number].name;
                     let message =
-                        format!("`{name}` is known along an orbit alone, as what is observed");
-                    Err(Problem::new(message, place)
-                        .help(format!("in rates and laws it is friction({contact})")))
+                        format!("`{name}` is known along an orbit alone, where its mode is known");
+                    let help = format!(
+                        "in rates and laws it is friction({contact}); a fit observes it where \
+                         there is one contact"
+                    );
+                    Err(Problem::new(message, place).help(help))
                 }
             },
             (Meaning::Stop(_), _) => Err(Problem::new(

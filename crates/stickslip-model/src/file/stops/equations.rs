@@ -13,9 +13,9 @@ use stickslip::error::readable;
 use super::super::build::tape;
 use super::super::builder::{Builder, Inputs, Scope, are_same, no_number};
 use super::super::problem::Problem;
-use super::super::{StopEntry, SystemFile};
+use super::super::{Formula, StopEntry, SystemFile};
 use crate::expression::{Binary, Graph, GraphInput, Id, NotANumber, Tape, Test};
-use crate::kernel::{Combination, HELD_PER_INPUT};
+use crate::kernel::{Combination, HELD_PER_INPUT, ROUNDING};
 
 /// The equations of the stops in one combination of sides.
 pub(super) struct StopEquations {
@@ -222,24 +222,16 @@ impl<'a> Build<'a> {
         (number, gap, rate): (usize, Id, Id),
         of: Combination,
     ) -> Result<usize, Problem> {
-        let place = self.file.stops[number].place.clone();
-        let wrong = |error: NotANumber| no_number(error, place.clone());
         let mut boundaries = Vec::with_capacity(self.file.contacts.len());
         for contact in &self.file.contacts {
             let scope = Scope::NoSides("a boundary");
             let builder = &mut Builder::new(self.file, self.inputs, graph, scope);
             boundaries.push(builder.formula(&contact.boundary)?);
         }
-        let acts = acts(self.file, self.inputs, graph)?.swap_remove(number);
         let [_, field] = self.fields(graph, of)?;
-        let ways = ways(graph, (gap, &field, &acts)).map_err(wrong)?;
-        let opened = derivative(graph, rate, push(&acts)).map_err(wrong)?;
         let states = self.moving();
-        let mut roots = vec![gap, rate, opened];
-        roots.extend(by_state(graph, &ways, states).map_err(wrong)?);
-        roots.extend(by_state(graph, &acts, states).map_err(wrong)?);
-        roots.extend(&boundaries);
-        let tape = tape(self.file, graph, &roots, self.inputs)?;
+        let closing = ((number, gap, rate), &*field, &*boundaries);
+        let tape = self::closing(self.file, self.inputs, graph, closing)?;
         if boundaries.is_empty() {
             return Ok(0);
         }
@@ -319,9 +311,68 @@ impl<'a> Build<'a> {
     }
 }
 
-/// Contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape has the gap,
-/// its rate, the derivative of that by the reaction, the rows of [`ways`] and [`acts`], and the
-/// boundaries. The numbers are those of states with what inputs hold, of states, and of contacts.
+/// The tape of a gap, its rate, the derivative of that by the reaction, the rows of [`ways`] and
+/// [`acts`], and further numbers.
+fn closing(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+    ((number, gap, rate), field, further): ((usize, Id, Id), &[Id], &[Id]),
+) -> Result<Tape, Problem> {
+    let states = file.states.len() + inputs.count_free();
+    let acts = acts(file, inputs, graph)?.swap_remove(number);
+    let roots = (|| {
+        let ways = ways(graph, (gap, field, &acts))?;
+        let opened = derivative(graph, rate, push(&acts))?;
+        let mut roots = vec![gap, rate, opened];
+        roots.extend(by_state(graph, &ways, states)?);
+        roots.extend(by_state(graph, &acts, states)?);
+        roots.extend(further);
+        Ok(roots)
+    })();
+    let roots = roots.map_err(|error| no_number(error, file.stops[number].place.clone()))?;
+    tape(file, graph, &roots, inputs)
+}
+
+/// Most steps of Newton's iteration to a zero of a gap. Chosen: at a zero of fourth order, each
+/// step leaves three quarters of the distance.
+const MOST_STEPS: usize = 80;
+
+/// A slope vanishes with its gap if less than this part of both is left. Chosen between the root of
+/// rounding and one.
+const FLAT: f64 = 1e-6;
+
+/// Whether the derivative of a gap's rate by the reaction vanishes wherever the gap does. The tape
+/// is that of [`closing`]. The numbers are those of states with what inputs hold, and of states.
+fn flattens_by(tape: &Tape, (all, states): (usize, usize)) -> bool {
+    let evaluated = |t: f64, x: &[f64]| {
+        let mut values = vec![0.0; 3 + 2 * states];
+        tape.evaluate(t, x, &mut values);
+        values
+    };
+    let mut draw = SplitMix::new(1);
+    (0..POINTS).all(|_| {
+        let t = draw.uniform();
+        let mut x: Vec<f64> = (0..all).map(|_| draw.between(0.5, 1.5)).collect();
+        let start = evaluated(t, &x);
+        let mut at = start.clone();
+        for _ in 0..MOST_STEPS {
+            if at[0] == 0.0 {
+                break;
+            }
+            for (x, way) in x.iter_mut().zip(&at[3..3 + states]) {
+                *x -= way * at[0];
+            }
+            at = evaluated(t, &x);
+        }
+        let is_lost = |part: usize| at[part].abs() <= FLAT * start[part].abs();
+        start[0] != 0.0 && start[2] != 0.0 && is_lost(0) && is_lost(2)
+    })
+}
+
+/// Contacts, as bits, whose boundaries vanish wherever a gap and its rate do. The tape is that of
+/// [`closing`] with the boundaries. The numbers are those of states with what inputs hold, of
+/// states, and of contacts.
 fn shared_by(tape: &Tape, (all, states, contacts): (usize, usize, usize)) -> usize {
     let evaluated = |t: f64, x: &[f64]| {
         let mut values = vec![0.0; 3 + 2 * states + contacts];
@@ -375,22 +426,7 @@ pub(super) fn equations(
         if let Some(own) = graph.value(coupling[number])
             && !graph.is(coupling[number], Test::Positive)
         {
-            let message = match own == 0.0 {
-                true => format!(
-                    "the reaction of the stop `{}` does not move its gap",
-                    stop.name
-                ),
-                false => format!(
-                    "a unit of the reaction of the stop `{}` changes the gap's second derivative \
-                     by {}, but must open it",
-                    stop.name,
-                    readable(own)
-                ),
-            };
-            return Err(Problem::new(message, stop.place.clone()).help(
-                "acts = { v = \"1/m\" } pushes where gap = \"h\" grows with v; friction that turns \
-                 this around has no consistent motion (Painlevé)",
-            ));
+            return Err(unopened(file, inputs, graph, (number, rate, own))?);
         }
         found.gaps.push(gap);
         found.rates.push(rate);
@@ -400,23 +436,100 @@ pub(super) fn equations(
     Ok(found)
 }
 
-/// Second derivative of each stop's gap by its own reaction in one combination of sides: with the
-/// friction that follows the reaction, and without.
+/// The fault of a stop whose reaction changes the second derivative of its gap by `own`, which is
+/// not positive.
+fn unopened(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+    (number, rate, own): (usize, Id, f64),
+) -> Result<Problem, Problem> {
+    let stop = &file.stops[number];
+    let acts = acts(file, inputs, graph)?.swap_remove(number);
+    let alone = derivative(graph, rate, push(&acts));
+    let alone = alone.map_err(|error| no_number(error, stop.place.clone()))?;
+    let pulls = graph.value(alone).is_none_or(|alone| alone <= 0.0);
+    if own == 0.0 && pulls {
+        let message = format!(
+            "the reaction of the stop `{}` does not move its gap",
+            stop.name
+        );
+        return Ok(Problem::new(message, stop.place.clone())
+            .help("acts = { v = \"1/m\" } pushes where gap = \"h\" grows with v"));
+    }
+    let (with, place, help) = match pulls {
+        true => {
+            let place = stop.acts.iter().flatten().next();
+            let place = place.map_or_else(|| stop.place.clone(), Formula::whole);
+            let help = "such a reaction draws the bodies together: turn the signs in acts, or that \
+                        of the gap; acts = { v = \"1/m\" } pushes where gap = \"h\" grows with v";
+            ("", place, help)
+        }
+        false => {
+            let help = "lower that friction: no motion in contact is consistent, or several are \
+                        (Painlevé)";
+            (
+                " with the friction that follows it",
+                stop.place.clone(),
+                help,
+            )
+        }
+    };
+    let message = format!(
+        "a unit of the reaction of the stop `{}` changes the gap's second derivative by {}{with}, \
+         but must open it",
+        stop.name,
+        readable(own)
+    );
+    Ok(Problem::new(message, place).help(help))
+}
+
+/// Refuses stops whose gaps have no slope where they close, as the square of a distance. No rate
+/// closes such a gap.
+pub(super) fn check_slopes(
+    file: &SystemFile,
+    inputs: Inputs<'_>,
+    graph: &mut Graph,
+    equations: &StopEquations,
+) -> Result<(), Problem> {
+    let states = file.states.len() + inputs.count_free();
+    let all = states + HELD_PER_INPUT * file.inputs.len();
+    for (number, stop) in file.stops.iter().enumerate() {
+        let of = (number, equations.gaps[number], equations.rates[number]);
+        let tape = closing(file, inputs, graph, (of, &equations.field, &[]))?;
+        let flattens = graph.probed(Arc::new(move |held| {
+            usize::from(flattens_by(&tape.with_held(held), (all, states)))
+        }));
+        if flattens != 0 {
+            let message = format!(
+                "the slope of the gap of the stop `{}` vanishes where it closes",
+                stop.name
+            );
+            return Err(Problem::new(message, stop.gap.whole())
+                .help("a gap passes zero with a rate: gap = \"h\" in place of \"h^2\""));
+        }
+    }
+    Ok(())
+}
+
+/// Second derivative of each stop's gap by a unit of its own reaction, without the friction that
+/// follows it. Then, by stop, by a unit of each reaction, with friction in one combination of
+/// sides.
 pub(in super::super) fn openings(
     file: &SystemFile,
     inputs: Inputs<'_>,
     graph: &mut Graph,
     of: Combination,
-) -> Result<Vec<[Id; 2]>, Problem> {
+) -> Result<Vec<Id>, Problem> {
     let found = equations(file, inputs, graph, of)?;
     let acts = acts(file, inputs, graph)?;
-    let mut openings = Vec::with_capacity(acts.len());
+    let mut openings = Vec::with_capacity(acts.len() * (acts.len() + 1));
     for (number, acts) in acts.iter().enumerate() {
         let place = file.stops[number].place.clone();
         let alone = derivative(graph, found.rates[number], push(acts));
-        let alone = alone.map_err(|error| no_number(error, place))?;
-        openings.push([found.coupling[number][number], alone]);
+        openings.push(alone.map_err(|error| no_number(error, place))?);
     }
+    openings.extend(found.coupling.concat());
     Ok(openings)
 }
 
@@ -470,8 +583,17 @@ fn solved(
             }
         }
     }
-    // Gauss's elimination; a pivot that is not positive has no unique reaction.
+    // Gauss's elimination; a pivot that is not positive has no unique reaction. Of stops that hold
+    // the same motion, rounding leaves one.
+    let own: Vec<Id> = (0..count).map(|stop| matrix[stop][stop]).collect();
+    let rounding = graph.constant(ROUNDING)?;
     for pivot in 0..count {
+        let left = matrix[pivot][pivot];
+        if left != own[pivot] {
+            let noise = graph.binary(Binary::Product, rounding, own[pivot])?;
+            let clear = graph.binary(Binary::Difference, left, noise)?;
+            matrix[pivot][pivot] = graph.where_positive(clear, left)?;
+        }
         for row in pivot + 1..count {
             if graph.is(matrix[row][pivot], Test::Zero) {
                 continue;

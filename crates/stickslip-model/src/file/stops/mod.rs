@@ -9,7 +9,7 @@ use stickslip::error::readable;
 
 mod equations;
 
-use equations::{StopEquations, acts, by_state, derivative, equations, push, ways};
+use equations::{StopEquations, acts, by_state, check_slopes, derivative, equations, push, ways};
 
 pub(super) use equations::{openings, reactions};
 
@@ -137,6 +137,7 @@ pub(super) fn built(
     graph: &mut Graph,
 ) -> Result<Events, Problem> {
     let below = equations(file, inputs, graph, Combination { above: 0, held: 0 })?;
+    check_slopes(file, inputs, graph, &below)?;
     let sided = |name: &str, what: &str| {
         format!("the {what} of the gap of the stop `{name}` depends on the side of a contact")
     };

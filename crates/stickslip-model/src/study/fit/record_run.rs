@@ -277,14 +277,16 @@ impl RecordRun {
                 });
             }
             let slopes = slopes.rows(0, states) * &weights;
+            let modes = mode_at(&at.phases, *t, Place::Behind);
             for (k, observed) in self.observed.iter().enumerate() {
-                let (value, row) = self.observation(observed, *t, (point, &slopes), sought);
+                let (value, row) =
+                    self.observation(observed, (*t, modes), (point, &slopes), sought);
                 let sizes = (0..states).map(|state| {
                     let seeded = point.iter().enumerate();
                     let seed = |i: usize| f64::from(u8::from(i == state));
                     let seeded = seeded.map(|(i, x)| Dual::new(*x, seed(i)));
                     let seeded: Vec<Dual<f64>> = seeded.collect();
-                    (observed.value(*t, &seeded).eps * point[state]).abs()
+                    (observed.value(modes, *t, &seeded).eps * point[state]).abs()
                 });
                 at.sizes[k].push(sizes.sum());
                 at.values[k].push(value);
@@ -308,12 +310,16 @@ impl RecordRun {
         let none = Matrix::zeros(self.system.states(), self.local.len());
         let jump = |event: &EventDerivatives| {
             let changes = self.observed.iter().map(|observed| {
-                let value = |point: &Vector| {
-                    self.observation(observed, event.at, (point, &none), sought)
-                        .0
+                let value = |(point, place): (&Vector, Place)| {
+                    let at = (event.at, mode_at(phases, event.at, place));
+                    self.observation(observed, at, (point, &none), sought).0
                 };
-                let [before, after] = event.points.each_ref().map(value);
-                after - before
+                let [before, after] = &event.points;
+                let [before, after] = [(before, Place::Before), (after, Place::Behind)].map(value);
+                let change = after - before;
+                // A force goes on where a contact slips off at its limit.
+                let is_rounding = change.abs() <= SAME * before.abs().max(after.abs());
+                if is_rounding { 0.0 } else { change }
             });
             let changes: Vec<f64> = changes.collect();
             if changes.iter().all(|change| *change == 0.0) {
@@ -352,7 +358,7 @@ impl RecordRun {
     fn observation(
         &self,
         observed: &Observed,
-        t: f64,
+        (t, modes): (f64, Modes),
         (point, slopes): (&Vector, &Matrix),
         sought: usize,
     ) -> (f64, Vec<f64>) {
@@ -368,11 +374,33 @@ impl RecordRun {
                 Dual::new(*x, slope)
             };
             let seeded: Vec<Dual<f64>> = point.iter().enumerate().map(dual).collect();
-            let of = observed.value(t, &seeded);
+            let of = observed.value(modes, t, &seeded);
             (value, row[place]) = (of.re, of.eps);
         }
         (value, row)
     }
+}
+
+/// Change of an observable at an event that counts as none, as a part of its size. Chosen: half of
+/// the digits of a double.
+const SAME: f64 = 1e-8;
+
+/// Side of an instant at which an event may stand.
+#[derive(Clone, Copy)]
+enum Place {
+    Before,
+    Behind,
+}
+
+/// The modes at a time, from the phases.
+fn mode_at(phases: &[(f64, f64, Modes)], t: f64, place: Place) -> Modes {
+    let mut lasting = phases.iter().filter(|phase| phase.0 < phase.1);
+    let found = match place {
+        Place::Before => lasting.find(|phase| t <= phase.1),
+        Place::Behind => lasting.rev().find(|phase| phase.0 <= t),
+    };
+    let phase = found.or_else(|| phases.first());
+    phase.map_or_else(|| Modes::new(&[]), |phase| phase.2)
 }
 
 /// Refuses times and columns that do not belong together.

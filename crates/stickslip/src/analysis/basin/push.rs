@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::is_on_boundary;
 use crate::analysis::attractors::{
-    Attractor, Attractors, RecurrenceSettings, SOLVER_TOLERANCES, attractor_of_many,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, SOLVER_TOLERANCES, attractor_of_many,
 };
 use crate::dynamics::{AsDynamics, Components, Vector};
-use crate::error::{Error, require};
+use crate::error::{Error, Point, require};
 use crate::filippov::Options;
 
 /// Width, as a part of the push, to which a boundary is bisected.
@@ -49,6 +49,9 @@ pub struct Push {
     pub uncertainty: f64,
     /// Attractor that larger pushes lead to.
     pub beyond: Attractor,
+    /// Whether the ray ends there at a stop. No start lies behind it, so that `size` is the largest
+    /// push that can be tried, and none leads out of the basin.
+    pub ends_at_stop: bool,
 }
 
 /// The least push from a state along each direction that changes the attractor; `None` where none
@@ -59,7 +62,7 @@ pub struct Push {
 /// ray crosses boundaries several times, the push is the least one: at all sampled pushes below it
 /// the orbit returns. A part of another basin narrower than [`PushSettings::largest`] divided by
 /// [`PushSettings::parts`] may hide between two samples. Orbits that escape, fail or are undecided
-/// have left the basin.
+/// have left the basin. A ray that comes to a stop ends there, as [`Push::ends_at_stop`] says.
 ///
 /// Its size over all directions is the stability threshold of Klinshov, Nekorkin & Kurths, *New
 /// Journal of Physics* 18 (2016) 013004, and the "minimal critical shock" of Attractors.jl. Rays
@@ -112,8 +115,9 @@ pub fn least_pushes<Kind>(
     let of_ray = |direction: &Vector| -> Result<Option<Push>, Error> {
         let mut distinct = Attractors::new(system, settings, options);
         let home = distinct.number(home.clone());
+        let start_at = |size: f64| dynamics.opened(&from + direction * size);
         let mut leaves = |size: f64| -> Result<Option<Attractor>, Error> {
-            let start = dynamics.opened(&from + direction * size);
+            let start = start_at(size);
             let reached = attractor_of_many(system, start, settings, options)?;
             let is_other = distinct.number(reached.clone()) != home;
             Ok(is_other.then_some(reached))
@@ -145,10 +149,14 @@ pub fn least_pushes<Kind>(
             let middle = 0.5 * (inside + outside);
             let is_between = inside < middle && middle < outside;
             if !is_between || outside - inside <= error.max(PRECISION * outside) {
-                let uncertainty = 0.5 * (outside - inside);
+                let start = Point::from(&start_at(outside));
                 return Ok(Some(Push {
                     size: middle,
-                    uncertainty,
+                    uncertainty: 0.5 * (outside - inside),
+                    ends_at_stop: matches!(
+                        &beyond.kind,
+                        AttractorKind::Failure(Error::BehindStop { x, .. }) if *x == start
+                    ),
                     beyond,
                 }));
             }

@@ -88,7 +88,7 @@ impl TangentLine {
     ) -> Option<Self> {
         let weights = units.weights(cycle, shooting.forced.is_some());
         let length = direction.component_mul(&direction).dot(&weights).sqrt();
-        let direction = direction / length;
+        let direction = shooting.without_rounding(&cycle.outline, direction / length);
         let row = direction.component_mul(&weights);
         (length > 0.0 && length.is_finite()).then_some(TangentLine {
             from: cycle.outline.clone(),

@@ -146,7 +146,8 @@ impl<'a> Shooting<'a> {
                 family => step.solution_without((self.states, family)),
             };
             last_residual = equations.largest;
-            outline = self.in_period(outline.with(&(unknowns + solved?)));
+            let step = self.without_rounding(&outline, solved?);
+            outline = self.in_period(outline.with(&(unknowns + step)));
             let period = outline.period();
             let is_possible = (period - guessed).abs() < guessed
                 && self.lasts(&outline, guessed)
@@ -156,6 +157,26 @@ impl<'a> Shooting<'a> {
             }
         }
         None
+    }
+
+    /// A change of the unknowns of an orbit, without what rounding adds to discrete states: their
+    /// values are isolated.
+    pub fn without_rounding(&self, outline: &Outline, mut change: Vector) -> Vector {
+        let by_tolerance = closeness(self.options);
+        let n = outline.begin.x.len();
+        let first = n + outline.segments.len() + 1;
+        let cuts = outline.cut.iter().flat_map(|cut| &cut.states).enumerate();
+        let begins = std::iter::once(0).chain(cuts.map(|(number, _)| first + number * n));
+        for begin in begins {
+            let states = (0..self.states).filter(|&state| self.system.is_discrete(state));
+            for state in states {
+                let moved = &mut change[begin + state];
+                if moved.abs() <= by_tolerance {
+                    *moved = 0.0;
+                }
+            }
+        }
+        change
     }
 
     /// The outline of which the longest segment is changed so that it lasts for the period of the
