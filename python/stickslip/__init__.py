@@ -43,7 +43,6 @@ from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyap
 from ._fit import FitResult, Record, fit
 from ._orbits import (
     Branch,
-    Curve,
     EquilibriumBranch,
     EquilibriumCurve,
     PeriodicOrbit,

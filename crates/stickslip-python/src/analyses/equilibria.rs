@@ -18,6 +18,10 @@ use crate::{Settings, System};
 /// The branch of equilibria through the one that the orbit from a start approaches, in both
 /// directions.
 #[pyfunction]
+#[expect(
+    clippy::too_many_arguments,
+    reason = "they are those of a call from Python"
+)]
 pub(crate) fn equilibrium_continuation<'py>(
     py: Python<'py>,
     system: &System,
