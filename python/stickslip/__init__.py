@@ -43,8 +43,8 @@ from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyap
 from ._fit import FitResult, Record, fit
 from ._orbits import (
     Branch,
-    Curve,
     EquilibriumBranch,
+    EquilibriumCurve,
     PeriodicOrbit,
     PoincareMap,
     Tangents,
@@ -100,6 +100,7 @@ __all__ = [
     "EdgeState",
     "Ensemble",
     "EquilibriumBranch",
+    "EquilibriumCurve",
     "Event",
     "Expression",
     "FitResult",

@@ -347,6 +347,8 @@ class EquilibriumBranch(Result):
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
         `most_points`, ``"boundary equilibrium"`` at a boundary beyond which there is none,
         ``"no convergence"``.
+    curves : list of EquilibriumCurve
+        With `also`: its special equilibria in two parameters, except branch points.
     name : str
         The parameter.
     system : System
@@ -360,6 +362,7 @@ class EquilibriumBranch(Result):
     stability: list[str]
     special: Table
     stops: tuple[str, str]
+    curves: list[EquilibriumCurve]
     name: str
     system: System
 
@@ -466,14 +469,86 @@ class Curve(Result):
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the curve in the plane of both parameters."""
-        axes = new_axes(axes)
-        axes.plot(self.parameter, self.other, label=self.what)
-        for name in dict.fromkeys(self.special["name"]):
-            there = self.special[self.special["name"] == name]
-            axes.plot(there["parameter"], there["other"], "o", label=name)
-        axes.set(xlabel=self.names[0], ylabel=self.names[1])
-        axes.legend()
-        return axes
+        return _draw_curve(self, axes)
+
+
+def _draw_curve(curve: Curve | EquilibriumCurve, axes: Any) -> Any:
+    axes = new_axes(axes)
+    axes.plot(curve.parameter, curve.other, label=curve.what)
+    for name in dict.fromkeys(curve.special["name"]):
+        there = curve.special[curve.special["name"] == name]
+        axes.plot(there["parameter"], there["other"], "o", label=name)
+    axes.set(xlabel=curve.names[0], ylabel=curve.names[1])
+    axes.legend()
+    return axes
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class EquilibriumCurve(Result):
+    """A special equilibrium of a branch, followed in two parameters.
+
+    Attributes
+    ----------
+    what : str
+        The bifurcation.
+    parameter : ndarray, shape (m,)
+        The parameter of the branch.
+    other : ndarray, shape (m,)
+        The second parameter. Without points, no curve was found.
+    frequency : ndarray, shape (m,)
+        Absolute value of the imaginary eigenvalues of a Hopf bifurcation; NaN for others.
+    y : ndarray, shape (m, n)
+        States of each equilibrium.
+    special : Table
+        Special points: their ``name``, such as ``"cusp"``, ``parameter`` and ``other`` with
+        ``uncertainty`` and ``other_uncertainty``, the state ``y``, and ``behind``, the number of
+        points before it.
+    stops : (str, str) or None
+        Why the curve ends at its first and last point: ``"range"`` of a parameter, ``"points"``,
+        ``"closed"`` where it began, ``"Bogdanov-Takens"`` where the eigenvalues of a Hopf
+        bifurcation become real, ``"another change"`` at another boundary, ``"no convergence"``.
+    begins : int
+        Index of the special equilibrium of the branch at which it begins.
+    names : (str, str)
+        The parameter of the branch and the second one.
+    system : System
+        The system.
+    """
+
+    what: str
+    parameter: Floats
+    other: Floats
+    frequency: Floats
+    y: Floats
+    special: Table
+    stops: tuple[str, str] | None
+    begins: int
+    names: tuple[str, str]
+    system: System
+
+    def _columns(self) -> dict[str, Any]:
+        return {
+            self.names[0]: self.parameter,
+            self.names[1]: self.other,
+            "frequency": self.frequency,
+            **states_of(self.system, self.y),
+        }
+
+    def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        variables: dict[str, Any] = {
+            "frequency": ("point", self.frequency),
+            "y": (("point", "state"), self.y),
+        }
+        own = {
+            self.names[0]: ("point", self.parameter),
+            self.names[1]: ("point", self.other),
+            "state": list(self.system.states),
+        }
+        return variables, own
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draws the curve in the plane of both parameters."""
+        return _draw_curve(self, axes)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -920,6 +995,7 @@ def equilibrium_continuation(
     transient: float | None = None,
     step: float = 0.02,
     most_points: int = 1000,
+    also: tuple[str | Parameter, tuple[float, float]] | None = None,
     **options: Unpack[Options],
 ) -> EquilibriumBranch:
     """Continues an equilibrium along a parameter, in both directions, stable or not.
@@ -944,6 +1020,9 @@ def equilibrium_continuation(
         Longest step, as a fraction of the bounds and of the size of the first equilibrium.
     most_points : int, optional
         Largest number of equilibria in each direction.
+    also : (str or Parameter, (float, float)), optional
+        A second parameter and its bounds: each fold, Hopf bifurcation and boundary equilibrium is
+        followed in both. They are `curves` of the branch.
     **options : Options
         Tolerances and other settings.
 
@@ -972,6 +1051,7 @@ def equilibrium_continuation(
     (array(['fold'], dtype='<U4'), array([0.]))
     """
     along = _range(system, parameter, bounds)
+    second = None if also is None else _second(system, along[0], also)
     found = call_engine(
         _core.equilibrium_continuation,
         system._core,
@@ -979,9 +1059,20 @@ def equilibrium_continuation(
         None if transient is None else number(transient, "transient"),
         along,
         (real(step, "step"), whole(most_points, "most_points", least=2)),
+        second,
         settings(options),
     )
     found["special"] = structured(found["special"], system.states)
+    kinds = found["special"]["name"]
+    found["curves"] = [
+        EquilibriumCurve(
+            **{**one, "special": structured(one["special"], system.states)},
+            what=str(kinds[one["begins"]]),
+            names=(along[0], "" if second is None else second[0]),
+            system=system,
+        )
+        for one in found["curves"]
+    ]
     return make_result(found, EquilibriumBranch, name=along[0], system=system)
 
 

@@ -171,6 +171,25 @@ def test_a_branch_of_equilibria_is_that_of_the_program(tmp_path):
     assert [at["parameter"] for at in told["special"]] == found.special["parameter"].tolist()
 
 
+def test_special_equilibria_are_followed_in_two_parameters():
+    """`x' = p + q x - x³` has folds at 27 p² = 4 q³ and a cusp at 0."""
+    x = ss.state("x")
+    p, q = ss.parameters(p=0.0, q=1.0)
+    system = ss.System({x: p + q * x - x**3})
+    branch = ss.equilibrium_continuation(system, p, (-1, 1), [1], transient=0, also=(q, (-1, 2)))
+    assert branch.special["name"].tolist() == ["fold", "fold"]
+    assert [curve.begins for curve in branch.curves] == [0, 1]
+    for curve in branch.curves:
+        assert (curve.what, curve.names, curve.stops) == ("fold", ("p", "q"), ("range", "range"))
+        off = 27 * curve.parameter**2 - 4 * curve.other**3
+        assert np.abs(off).max() < 1e-11 and np.isnan(curve.frequency).all()
+        assert np.allclose(3 * curve.y[:, 0] ** 2, curve.other, rtol=0, atol=1e-11)
+        (cusp,) = curve.special
+        assert cusp["name"] == "cusp" and abs(cusp["other"]) <= cusp["other_uncertainty"] < 1e-9
+        assert len(curve.to_pandas()) == len(curve.other)
+    assert ss.equilibrium_continuation(system, p, (-1, 1), [1], transient=0).curves == []
+
+
 def test_where_there_is_no_equilibrium_it_is_said():
     with pytest.raises(ss.StickslipError, match="a motion of kind `periodic`.*transient=0") as one:
         ss.equilibrium_continuation(rings(), "p", (-1.5, 1), [1, 0])

@@ -178,6 +178,11 @@
 //!   [`CurveSpecialPoint`](analysis::CurveSpecialPoint)
 //!   ([`CurveBifurcation`](analysis::CurveBifurcation)) and
 //!   [`CurveStop`](analysis::CurveStop).
+//!   [`continue_special_equilibrium`](analysis::continue_special_equilibrium) returns an
+//!   [`EquilibriumCurve`](analysis::EquilibriumCurve) with
+//!   [`EquilibriumCurvePoint`](analysis::EquilibriumCurvePoint) and
+//!   [`EquilibriumCurveSpecial`](analysis::EquilibriumCurveSpecial)
+//!   ([`EquilibriumCurveBifurcation`](analysis::EquilibriumCurveBifurcation)).
 //! - **Exponents**: [`lyapunov_spectrum`](analysis::lyapunov_spectrum),
 //!   [`lyapunov_spectrum_watched`](analysis::lyapunov_spectrum_watched) and
 //!   [`largest_exponent`](analysis::largest_exponent), by

@@ -499,6 +499,81 @@ fn equilibria_are_written_with_their_special_ones() {
     }
 }
 
+/// The normal form of a Bogdanov–Takens point at q = 0: folds lie at p = 0.55 q², and Hopf
+/// bifurcations at p = 0.3 q² where q is negative.
+const BOGDANOV_TAKENS: &str = r#"
+name = "Bogdanov-Takens"
+[states]
+x = ""
+y = ""
+[parameters]
+p = 0
+q = -1
+[field]
+x = "y"
+y = "p - 0.3*q^2 + q*x + x^2 - x*y"
+[start]
+x = -0.24
+y = 0
+"#;
+
+#[test]
+fn special_equilibria_are_followed_in_two_parameters() {
+    let top = tempfile::tempdir().unwrap();
+    std::fs::write(top.path().join("system.toml"), BOGDANOV_TAKENS).unwrap();
+    let arguments = ["system.toml", "--equilibrium", "--transient", "0", "--json"];
+    let ranges = ["--parameter", "p=-1:3", "--also", "q=-2:1"];
+    let run = |more: &[&str]| {
+        program(top.path(), &arguments[..4])
+            .args(ranges)
+            .args(more)
+            .assert()
+            .success()
+    };
+    let output = run(&["--json"]);
+    let json: Value = serde_json::from_slice(&output.get_output().stdout).unwrap();
+    let curves = json["curves"].as_array().unwrap();
+    assert_eq!(json["also"]["name"], "q");
+    let folder = top.path().join("stickslip-output/continue");
+    let [points, special] =
+        ["curves.csv", "curves-special.csv"].map(|name| rows(&folder.join(name)));
+    for (k, curve) in curves.iter().enumerate() {
+        let factor = match curve["what"].as_str().unwrap() {
+            "Hopf" => 0.3,
+            "fold" => 0.55,
+            other => panic!("{other}"),
+        };
+        let own = |row: &&Value| number(row, "curve") == k as f64;
+        let own: Vec<&Value> = points.iter().filter(own).collect();
+        assert_eq!(own.len() as u64, curve["points"].as_u64().unwrap());
+        for row in own {
+            assert_eq!(row["what"], curve["what"]);
+            let q = number(row, "q");
+            assert!((number(row, "p") - factor * q * q).abs() < 1e-11, "{row}");
+            if factor == 0.3 {
+                let frequency = number(row, "frequency");
+                assert!((frequency * frequency + q).abs() < 1e-10, "{row}");
+            } else {
+                assert_eq!(row["frequency"], "");
+            }
+        }
+    }
+    assert_eq!((curves.len(), special.len()), (2, 2), "{json:#}");
+    for row in &special {
+        assert_eq!(row["what"], "Bogdanov-Takens");
+        assert!(
+            number(row, "q").abs() <= number(row, "uncertainty_q"),
+            "{row}"
+        );
+        assert!(number(row, "uncertainty_q") < 1e-9, "{row}");
+    }
+    let svg = std::fs::read_to_string(folder.join("curves.svg")).unwrap();
+    roxmltree::Document::parse(&svg).unwrap();
+    run(&[])
+        .stdout(contains("(its pair of eigenvalues becomes real)"))
+        .stdout(contains(": Bogdanov-Takens"));
+}
+
 #[test]
 fn an_equilibrium_that_is_none_or_one_of_a_set_is_refused() {
     let top = tempfile::tempdir().unwrap();
@@ -523,8 +598,7 @@ fn an_equilibrium_that_is_none_or_one_of_a_set_is_refused() {
     run(&[
         "basins",
         "--equilibrium",
-        "--also",
-        "d=0:1",
+        "--branches",
         "--parameter",
         "vd=1.1:2",
     ])

@@ -92,6 +92,7 @@ pub fn word_of_curve_stop(stop: CurveStop) -> &'static str {
         CurveStop::Closed => "closed",
         CurveStop::Flip => "flip",
         CurveStop::Resonance => "resonance",
+        CurveStop::BogdanovTakens => "Bogdanov-Takens",
         CurveStop::AnotherChange => "another change",
         CurveStop::NoConvergence => "no convergence",
     }

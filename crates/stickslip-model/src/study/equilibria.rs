@@ -1,10 +1,13 @@
 //! Equilibria: the one that an orbit approaches, and branches of them along a parameter.
 
-use stickslip::Options;
+use rayon::prelude::*;
 use stickslip::analysis::{
-    AttractorKind, EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, RecurrenceSettings,
-    SpecialEquilibrium, Stop, attractor,
+    AttractorKind, ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch,
+    EquilibriumCurve, EquilibriumPoint, RecurrenceSettings, SpecialEquilibrium, Stop, attractor,
+    continue_special_equilibrium,
 };
+use stickslip::dynamics::DynamicsRef;
+use stickslip::{Error, Options};
 
 use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
 use crate::file::System;
@@ -57,6 +60,35 @@ pub struct EquilibriaOfBranch {
 }
 
 impl EquilibriaOfBranch {
+    /// The curves of its special equilibria in two parameters, each with the index of the one at
+    /// which it begins. Branch points have none. A curve is `None` where none continues.
+    /// The system `both` has the second parameter, with a value on the branch and a range, as the
+    /// state before the own one.
+    ///
+    /// # Errors
+    /// Those of [`continue_special_equilibrium`].
+    pub fn curves(
+        &self,
+        (both, value, range): (&DynamicsRef<'_>, f64, (f64, f64)),
+        settings: &ContinuationSettings,
+    ) -> Result<Vec<(usize, Option<EquilibriumCurve>)>, Error> {
+        let sizes = self.points.iter();
+        let sizes = sizes.map(|at| at.x.rows(0, at.x.len() - 1).amax());
+        let size = sizes.fold(0.0, f64::max);
+        let special: Vec<_> = self.special.iter().enumerate().collect();
+        let special = special.into_par_iter();
+        let special = special.filter(|(_, at)| at.what != EquilibriumBifurcation::BranchPoint);
+        let curve = |(k, at): (usize, &SpecialEquilibrium)| {
+            let how = (settings, range);
+            match continue_special_equilibrium(both, at, (value, size), how) {
+                Ok(curve) => Ok((k, Some(curve))),
+                Err(Error::NotFound { .. }) => Ok((k, None)),
+                Err(error) => Err(error),
+            }
+        };
+        special.map(curve).collect()
+    }
+
     /// Joins both directions.
     pub fn joined([down, up]: [EquilibriumBranch; 2]) -> Self {
         // Both directions contain the first equilibrium.

@@ -41,9 +41,10 @@ pub use bifurcation::{
 pub use continuation::{
     Branch, BranchPoint, ContinuationSettings, Curve, CurveBifurcation, CurvePoint,
     CurveSpecialPoint, CurveStop, CycleBifurcation, EquilibriumBifurcation, EquilibriumBranch,
+    EquilibriumCurve, EquilibriumCurveBifurcation, EquilibriumCurvePoint, EquilibriumCurveSpecial,
     EquilibriumPoint, PartialBranch, SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch,
-    continue_change, continue_equilibrium, continue_periodic_orbit, switch_branches,
-    switch_branches_to,
+    continue_change, continue_equilibrium, continue_periodic_orbit, continue_special_equilibrium,
+    switch_branches, switch_branches_to,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{

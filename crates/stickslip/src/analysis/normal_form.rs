@@ -8,6 +8,7 @@ use super::cycle::{Cycle, Shooting, closeness};
 use super::monodromy::flow_derivative;
 use crate::dynamics::{Dynamics, Matrix, Moment, Vector, run};
 use crate::filippov::{MIN_TOLERANCE, Options};
+use crate::math::modulus;
 
 /// Side of a bifurcation on which the smaller or longer orbits, or the torus, exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -228,8 +229,9 @@ impl<'a> ReturnMap<'a> {
             CriticalPair::Flip => {
                 let [q, p] = null_vectors(&own + &identity)?;
                 // The eigenvector is real, up to a factor.
-                let largest = q.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()))?;
-                let phase = largest.conj() / largest.norm();
+                let sizes = q.iter().map(|entry| (modulus(*entry), entry));
+                let (size, largest) = sizes.max_by(|a, b| a.0.total_cmp(&b.0))?;
+                let phase = largest.conj() / size;
                 let real = (&q * phase).map(|entry| entry.re).normalize();
                 let q = real.map(|entry| Complex::new(entry, 0.0));
                 let p = &p / p.dotc(&q).conj();

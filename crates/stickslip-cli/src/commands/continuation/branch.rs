@@ -15,6 +15,7 @@ use stickslip_model::file::System;
 use stickslip_model::study::{Along, SideBranch, WholeBranch};
 
 use super::super::range::ParameterRange;
+use super::Arguments;
 use super::saving::{BranchSaver, saved, saved_or_computed};
 use crate::failure::Failure;
 use crate::sweep::Writer;
@@ -29,9 +30,9 @@ const BRANCHES: usize = CURVES + 1;
 pub(super) struct SecondParameter {
     pub(super) range: ParameterRange,
     /// Value on the branch.
-    value: f64,
+    pub(super) value: f64,
     /// The system with both parameters as states.
-    both: DynamicsRef<'static>,
+    pub(super) both: DynamicsRef<'static>,
 }
 
 /// A system, and the parameter along which its orbits are continued.
@@ -100,11 +101,16 @@ impl<'a> BranchStart<'a> {
         Ok(branch)
     }
 
+    /// The second parameter of `--also`, if it is given.
+    pub(super) fn also(&self, arguments: &Arguments) -> Result<Option<SecondParameter>, Failure> {
+        let also = arguments.also.as_deref();
+        let also = also.map(|text| ParameterRange::new("--also", text, self.system));
+        let also = also.transpose()?;
+        also.map(|other| self.second_parameter(other)).transpose()
+    }
+
     /// The system with a second parameter as a state.
-    pub(super) fn second_parameter(
-        &self,
-        range: ParameterRange,
-    ) -> Result<SecondParameter, Failure> {
+    fn second_parameter(&self, range: ParameterRange) -> Result<SecondParameter, Failure> {
         let (other, own) = (self.system.file.parameter(&range.name)?, self.along.number);
         let value = self.system.values[other];
         if other == own {

@@ -34,7 +34,8 @@ pub(super) fn report(
             (Some(curve), Some(first), Some(last)) => {
                 let end = |point: &CurvePoint, stop: CurveStop| {
                     let [q, p] = point.parameters.map(readable);
-                    format!("{other} = {q}, {name} = {p} {}", described(stop))
+                    let end = described(stop, ["orbit", "orbits"]);
+                    format!("{other} = {q}, {name} = {p} {end}")
                 };
                 format!(
                     "in {name} and {other}, {what}: {} orbits from {} to {}",
@@ -113,29 +114,54 @@ pub(super) fn report(
             row.2.x.as_slice()[..states].to_vec()
         });
     report.table(table.csv("curves-special", rows)?);
-    report.figure("curves", &diagram(system, range, also, curves));
+    let complete = curves
+        .iter()
+        .filter_map(|(at, curve)| Some((at, curve.as_ref()?)));
+    let drawn: Vec<CurveDrawing> = complete
+        .map(|(at, curve)| CurveDrawing {
+            what: at.what.to_string(),
+            places: curve.points.iter().map(|one| one.parameters).collect(),
+            special: curve
+                .special
+                .iter()
+                .map(|one| (one.what.to_string(), one.parameters))
+                .collect(),
+        })
+        .collect();
+    report.figure(
+        "curves",
+        &diagram(system, range, also, ("periodic orbits", &drawn)),
+    );
     Ok(())
 }
 
-/// Words for the end of a curve.
-fn described(stop: CurveStop) -> &'static str {
+/// What is drawn of a curve: the two parameters of its points, the second one first.
+pub(super) struct CurveDrawing {
+    pub(super) what: String,
+    pub(super) places: Vec<[f64; 2]>,
+    pub(super) special: Vec<(String, [f64; 2])>,
+}
+
+/// Words for the end of a curve of orbits or of equilibria.
+pub(super) fn described(stop: CurveStop, [one, many]: [&str; 2]) -> String {
     match stop {
-        CurveStop::Range => "(an end of a range)",
-        CurveStop::Points => "(the largest number of orbits)",
-        CurveStop::Closed => "(its first orbit: it is closed)",
-        CurveStop::Flip => "(a flip of the orbit of half the period)",
-        CurveStop::Resonance => "(its pair of multipliers becomes real)",
-        CurveStop::AnotherChange => "(another change occurs at the same orbit)",
-        CurveStop::NoConvergence => "(no further orbit was found)",
+        CurveStop::Range => "(an end of a range)".to_owned(),
+        CurveStop::Points => format!("(the largest number of {many})"),
+        CurveStop::Closed => format!("(its first {one}: it is closed)"),
+        CurveStop::Flip => "(a flip of the orbit of half the period)".to_owned(),
+        CurveStop::Resonance => "(its pair of multipliers becomes real)".to_owned(),
+        CurveStop::BogdanovTakens => "(its pair of eigenvalues becomes real)".to_owned(),
+        CurveStop::AnotherChange => format!("(another change occurs at the same {one})"),
+        CurveStop::NoConvergence => format!("(no further {one} was found)"),
     }
 }
 
 /// Plots the curves in the plane of both parameters.
-fn diagram(
+pub(super) fn diagram(
     system: &System,
     range: &ParameterRange,
     also: &SecondParameter,
-    curves: &[(SpecialPoint, Option<Curve>)],
+    (of, curves): (&str, &[CurveDrawing]),
 ) -> Figure {
     const COLORS: [plot::Color; 6] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, BLACK];
     const SHAPES: [Shape; 5] = [
@@ -145,13 +171,10 @@ fn diagram(
         Shape::Down,
         Shape::Square,
     ];
-    let title = format!(
-        "{}: special periodic orbits in two parameters",
-        system.file.name
-    );
+    let title = format!("{}: special {of} in two parameters", system.file.name);
     let description = format!(
-        "Curves of special periodic orbits of {}, over {} from {} to {} and {} from {} to {}, with \
-         marks at their own special points.",
+        "Curves of special {of} of {}, over {} from {} to {} and {} from {} to {}, with marks at \
+         their own special points.",
         system.file.name,
         range.name,
         range.low,
@@ -164,34 +187,24 @@ fn diagram(
         figures::parameter_axis(system, &range.name, (range.low, range.high), true)
     };
     let mut panel = Panel::new(axis(range), axis(&also.range));
-    let complete = curves
-        .iter()
-        .filter_map(|(at, curve)| Some((at, curve.as_ref()?)));
-    for (number, (at, curve)) in complete.enumerate() {
-        let points = curve.points.iter().map(|point| {
-            let [other, own] = point.parameters;
-            (own, other)
-        });
-        let what = at.what.to_string();
-        let line = Line::new(points.collect::<Vec<_>>()).color(COLORS[number % COLORS.len()]);
-        panel.add(line.width(1.4).legend(&format!("{} {what}", number + 1)));
+    let place = |[other, own]: [f64; 2]| (own, other);
+    for (number, curve) in curves.iter().enumerate() {
+        let points: Vec<_> = curve.places.iter().map(|at| place(*at)).collect();
+        let line = Line::new(points).color(COLORS[number % COLORS.len()]);
+        let legend = format!("{} {}", number + 1, curve.what);
+        panel.add(line.width(1.4).legend(&legend));
     }
-    let special = || {
-        let curves = curves.iter().filter_map(|(_, curve)| curve.as_ref());
-        curves.flat_map(|curve| &curve.special)
-    };
-    let mut names: Vec<String> = Vec::new();
-    for one in special() {
-        let name = one.what.to_string();
-        if !names.contains(&name) {
+    let special = || curves.iter().flat_map(|curve| &curve.special);
+    let mut names: Vec<&str> = Vec::new();
+    for (name, _) in special() {
+        if !names.contains(&&**name) {
             names.push(name);
         }
     }
-    for (number, name) in names.iter().enumerate() {
-        let there = special().filter(|one| one.what.to_string() == *name);
-        let points = there.map(|one| (one.parameters[1], one.parameters[0]));
-        let shape = SHAPES[number % SHAPES.len()];
-        let markers = Markers::new(points.collect::<Vec<_>>()).shape(shape);
+    for (number, name) in names.into_iter().enumerate() {
+        let there = special().filter(|one| one.0 == name);
+        let points: Vec<_> = there.map(|one| place(one.1)).collect();
+        let markers = Markers::new(points).shape(SHAPES[number % SHAPES.len()]);
         panel.add(markers.color(BLACK).size(6.0).legend(name));
     }
     let panel = panel.legend(Legend::Below);

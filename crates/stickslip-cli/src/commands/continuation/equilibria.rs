@@ -69,7 +69,7 @@ pub(super) fn report(
 }
 
 /// A special equilibrium in words.
-fn words(at: &SpecialEquilibrium, system: &System) -> String {
+pub(super) fn words(at: &SpecialEquilibrium, system: &System) -> String {
     match at.what {
         EquilibriumBifurcation::Hopf { frequency } => {
             format!("Hopf bifurcation, frequency {}", readable(frequency))
@@ -91,7 +91,7 @@ fn words(at: &SpecialEquilibrium, system: &System) -> String {
     }
 }
 
-fn object(at: &SpecialEquilibrium, system: &System) -> Value {
+pub(super) fn object(at: &SpecialEquilibrium, system: &System) -> Value {
     let boundary = match at.what {
         EquilibriumBifurcation::Boundary { turns, .. } => {
             let (contact, [before, after]) = boundary_of(at, system);

@@ -4,6 +4,7 @@ mod branch;
 mod curves;
 mod ends;
 mod equilibria;
+mod equilibrium_curves;
 mod figure;
 mod report;
 mod saving;
@@ -44,7 +45,8 @@ use output::terminal::with_spinner;
 /// in another flip of the branch on which it begins, is listed once.
 ///
 /// --equilibrium follows the equilibrium that the run approaches, also into the sliding field and
-/// out of it. Folds, branch points, Hopf bifurcations and boundary equilibria are located.
+/// out of it. Folds, branch points, Hopf bifurcations and boundary equilibria are located. With
+/// --also, they are followed in two parameters, except branch points.
 ///
 /// Writes branch.csv, special.csv and continue.svg; with --also curves.csv, curves-special.csv and
 /// curves.svg; with --equilibrium equilibria.csv, equilibria-special.csv and equilibria.svg.
@@ -59,7 +61,8 @@ pub(super) struct Arguments {
     parameter: String,
 
     /// A second parameter and its range: each fold, flip, Neimark-Sacker bifurcation and change of
-    /// the phases on the branch is followed in both
+    /// the phases on the branch is followed in both, or with --equilibrium each fold, Hopf
+    /// bifurcation and boundary equilibrium
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
 
@@ -81,7 +84,7 @@ pub(super) struct Arguments {
     points: NonZeroUsize,
 
     /// Follow the equilibrium that the run approaches, or with --transient 0 the one near the start
-    #[arg(long, conflicts_with_all = ["also", "branches", "depth", "periods", "longest"])]
+    #[arg(long, conflicts_with_all = ["branches", "depth", "periods", "longest"])]
     equilibrium: bool,
 
     #[command(flatten)]
@@ -128,7 +131,13 @@ fn equilibria(arguments: &Arguments, prepared: &PreparedRun) -> Result<Report, F
     let begin = BranchStart::at(system, &range)?;
     let x = arguments.search.equilibrium(system, &prepared.x, options)?;
     let branch = begin.along.equilibria(&x, &settings, options)?;
-    equilibria::report(system, &range, &branch)
+    let mut report = equilibria::report(system, &range, &branch)?;
+    if let Some(also) = begin.also(arguments)? {
+        let second = (&also.both, also.value, (also.range.low, also.range.high));
+        let curves = branch.curves(second, &settings)?;
+        equilibrium_curves::report(&mut report, system, (&range, &also), &branch, &curves)?;
+    }
+    Ok(report)
 }
 
 /// Everything that the branch depends on, except the system.
@@ -155,12 +164,7 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
     } = prepared;
     let (range, settings) = settings(arguments, system)?;
     let begin = BranchStart::at(system, &range)?;
-    let also = arguments.also.as_deref();
-    let also = also.map(|text| ParameterRange::new("--also", text, system));
-    let also = also.transpose()?;
-    let also = also
-        .map(|other| begin.second_parameter(other))
-        .transpose()?;
+    let also = begin.also(arguments)?;
     let wanted = BranchArguments {
         parameter: &range,
         step: arguments.step,

@@ -8,6 +8,7 @@ use crate::analysis::cycle::{Cycle, Outline, Shooting};
 use crate::analysis::multipliers;
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
+use crate::math::modulus;
 
 /// Intervals between two equilibria of a set; the points between them must belong to it. Chosen.
 const SET_INTERVALS: usize = 16;
@@ -112,7 +113,7 @@ impl<'a> Attractors<'a> {
     fn is_unstable(&self, cycle: &Cycle) -> bool {
         let error = SOLVER_TOLERANCES * self.options.coarsest();
         let values = multipliers(&cycle.monodromy);
-        cycle.family == 0 && values.iter().any(|one| one.norm() > 1.0 + error.sqrt())
+        cycle.family == 0 && values.iter().any(|one| modulus(*one) > 1.0 + error.sqrt())
     }
 
     /// The attractors in the order of their numbers, each as the first orbit reached it.

@@ -6,7 +6,7 @@ use crate::analysis::cycle::unit;
 use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
-use crate::math::product;
+use crate::math::{modulus, product};
 
 /// Largest number of Newton steps. Quadratic convergence takes ten; a double zero takes one for
 /// each factor of two.
@@ -325,7 +325,7 @@ fn kind_by_jacobian(
     let along = along_boundaries(system, mode, at, jacobian, system.states());
     let mut is_of_set = false;
     for value in multipliers(&along) {
-        if value.norm() <= bound {
+        if modulus(value) <= bound {
             is_of_set = true;
         } else if value.re >= -bound {
             return None;

@@ -10,6 +10,7 @@ use crate::analysis::{multipliers, periodic_orbit, periodic_orbit_forced};
 use crate::dynamics::{AsDynamics, Components, DynamicsRef, Modes, Moment, OrbitProgress, Vector};
 use crate::error::{Error, require};
 use crate::filippov::Options;
+use crate::math::modulus;
 
 /// Factor by which the two orbits may be too far apart at the end of a span of time before it is
 /// halved. Chosen: farther apart, another part of the boundary may lie between them.
@@ -441,6 +442,6 @@ fn unstable(monodromy: &crate::dynamics::Matrix, options: &Options) -> usize {
     let values = multipliers(monodromy);
     let outside = values
         .iter()
-        .filter(|value| value.norm() > 1.0 + error.sqrt());
+        .filter(|value| modulus(**value) > 1.0 + error.sqrt());
     outside.count()
 }

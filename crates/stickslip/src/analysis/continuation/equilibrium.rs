@@ -91,6 +91,8 @@ pub struct SpecialEquilibrium {
     pub behind: usize,
     /// The state; the last component is the parameter.
     pub x: Vector,
+    /// The mode of the branch before it.
+    pub mode: Modes,
 }
 
 /// A branch of equilibria.
@@ -171,9 +173,10 @@ pub fn continue_equilibrium<Kind>(
         system,
         settings,
         units,
+        parameters: 1,
     };
     let by_parameter = unit(last + 1, last);
-    let near = |mode: Modes| continuation.solve(mode, &at.x, &by_parameter);
+    let near = |mode: Modes| continuation.solve(mode, &at.x, &[&by_parameter]);
     let is_held = |one: &BranchEquilibrium| holds(system, one.mode, &one.at);
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
     let first = modes.filter_map(near).find(is_held);
@@ -204,15 +207,15 @@ fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone)]
-struct BranchEquilibrium {
+pub(super) struct BranchEquilibrium {
     mode: Modes,
-    /// The state, followed by the parameter.
-    at: Moment,
+    /// The state, followed by the parameters.
+    pub at: Moment,
     /// The derivative of the equations by all components, each equation scaled to its own unit.
     equations: Matrix,
     /// The Jacobian along the boundaries of the contacts that stick.
-    along: Matrix,
-    iterations: usize,
+    pub along: Matrix,
+    pub iterations: usize,
 }
 
 impl BranchEquilibrium {
@@ -220,7 +223,7 @@ impl BranchEquilibrium {
         self.at.x[self.at.x.len() - 1]
     }
 
-    fn eigenvalues(&self) -> Vec<Complex<f64>> {
+    pub fn eigenvalues(&self) -> Vec<Complex<f64>> {
         eigenvalues(&self.along)
     }
 
@@ -244,12 +247,14 @@ impl BranchEquilibrium {
 
 /// The tangent of a branch at an equilibrium, along which the next one is sought.
 #[derive(Clone)]
-struct EquilibriumTangent {
-    mode: Modes,
-    from: Vector,
-    direction: Vector,
+pub(super) struct EquilibriumTangent {
+    pub mode: Modes,
+    pub from: Vector,
+    pub direction: Vector,
     /// The plane across it.
-    row: Vector,
+    pub row: Vector,
+    /// With two parameters, a plane along it in which its equilibria lie.
+    pub plane: Option<Vector>,
 }
 
 impl EquilibriumTangent {
@@ -258,15 +263,17 @@ impl EquilibriumTangent {
     }
 }
 
-struct EquilibriumContinuation<'a> {
-    system: &'a dyn Dynamics,
-    settings: &'a ContinuationSettings,
+pub(super) struct EquilibriumContinuation<'a> {
+    pub system: &'a dyn Dynamics,
+    pub settings: &'a ContinuationSettings,
     /// Sizes of the components.
-    units: Vector,
+    pub units: Vector,
+    /// Number of components that are parameters: the last ones.
+    pub parameters: usize,
 }
 
 /// The equilibria on a line.
-struct EquilibriaOnLine<'l> {
+pub(super) struct EquilibriaOnLine<'l> {
     continuation: &'l EquilibriumContinuation<'l>,
     line: &'l EquilibriumTangent,
 }
@@ -277,7 +284,8 @@ impl Path for EquilibriaOnLine<'_> {
     fn on(&self, place: f64) -> Option<BranchEquilibrium> {
         let line = self.line;
         let guess = &line.from + &line.direction * place;
-        self.continuation.solve(line.mode, &guess, &line.row)
+        let planes: Vec<&Vector> = std::iter::once(&line.row).chain(&line.plane).collect();
+        self.continuation.solve(line.mode, &guess, &planes)
     }
 
     fn finer(&self, place: f64) -> Option<BranchEquilibrium> {
@@ -291,16 +299,22 @@ impl Path for EquilibriaOnLine<'_> {
 
 impl EquilibriumContinuation<'_> {
     /// The equilibria on a line.
-    fn on<'l>(&'l self, line: &'l EquilibriumTangent) -> EquilibriaOnLine<'l> {
+    pub fn on<'l>(&'l self, line: &'l EquilibriumTangent) -> EquilibriaOnLine<'l> {
         let continuation = self;
         EquilibriaOnLine { continuation, line }
     }
 
-    /// The equilibrium of a mode near a guess, in the plane through it across a row.
-    fn solve(&self, mode: Modes, guess: &Vector, row: &Vector) -> Option<BranchEquilibrium> {
+    /// The equilibrium of a mode near a guess, in the planes through it across rows.
+    pub fn solve(
+        &self,
+        mode: Modes,
+        guess: &Vector,
+        rows: &[&Vector],
+    ) -> Option<BranchEquilibrium> {
         // Plain Newton steps converge within ten, unless the Jacobian is nearly singular.
         const MOST_ITERATIONS: usize = 20;
         let count = guess.len();
+        let states = count - self.parameters;
         let mut at = Moment {
             t: 0.0,
             x: guess.clone(),
@@ -309,8 +323,8 @@ impl EquilibriumContinuation<'_> {
         for iterations in 1..=MOST_ITERATIONS {
             let jacobian = jacobian_of(self.system, mode, &at);
             let (equations, right) = equations(self.system, mode, &at, &jacobian, count)?;
-            let off = row.dot(&(guess - &at.x));
-            let step = self.bordered(&equations, row, (&right, off))?;
+            let off = guess - &at.x;
+            let step = self.bordered(&equations, rows, (&right, &off))?;
             let size = step.component_div(&self.units).amax();
             // The last step is rounding once it is not smaller than the one before.
             if size <= f64::EPSILON || size >= 0.5 * last {
@@ -320,7 +334,7 @@ impl EquilibriumContinuation<'_> {
                 let velocity = self.system.flow(mode, &at).velocity(&at);
                 let speed = (jacobian.abs() * &self.units).amax();
                 let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
-                let along = along_boundaries(self.system, mode, &at, &jacobian, count - 1);
+                let along = along_boundaries(self.system, mode, &at, &jacobian, states);
                 return (is_zero(size) && is_zero(off) && is_at_rest).then_some(
                     BranchEquilibrium {
                         mode,
@@ -337,17 +351,20 @@ impl EquilibriumContinuation<'_> {
         None
     }
 
-    /// Solves the equations with a row appended.
+    /// Solves the equations with rows appended, across which the step has the part of a distance.
     fn bordered(
         &self,
         equations: &Matrix,
-        row: &Vector,
-        (right, last): (&Vector, f64),
+        rows: &[&Vector],
+        (right, off): (&Vector, &Vector),
     ) -> Option<Vector> {
-        let rows = equations.nrows();
-        let mut matrix = equations.clone().insert_row(rows, 0.0);
-        matrix.set_row(rows, &row.transpose());
-        let mut right = right.clone().insert_row(rows, last);
+        let (mut matrix, mut right) = (equations.clone(), right.clone());
+        for row in rows {
+            let last = matrix.nrows();
+            matrix = matrix.insert_row(last, 0.0);
+            matrix.set_row(last, &row.transpose());
+            right = right.insert_row(last, row.dot(off));
+        }
         for (k, unit) in self.units.iter().enumerate() {
             matrix.column_mut(k).scale_mut(*unit);
         }
@@ -367,7 +384,7 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// The singular values of the equations and their directions, in units of the components.
-    fn parts(&self, one: &BranchEquilibrium) -> (Vector, Option<Matrix>) {
+    pub fn parts(&self, one: &BranchEquilibrium) -> (Vector, Option<Matrix>) {
         let mut scaled = one.equations.clone();
         for (k, unit) in self.units.iter().enumerate() {
             scaled.column_mut(k).scale_mut(*unit);
@@ -404,6 +421,7 @@ impl EquilibriumContinuation<'_> {
             from: one.at.x.clone(),
             row: direction.component_div(&squares),
             direction,
+            plane: None,
         })
     }
 
@@ -490,7 +508,7 @@ impl EquilibriumContinuation<'_> {
             return None;
         }
         others(at.mode, contact).find_map(|mode| {
-            let one = self.solve(mode, &at.at.x, &by_parameter)?;
+            let one = self.solve(mode, &at.at.x, &[&by_parameter])?;
             let off = (&one.at.x - &at.at.x).component_div(&self.units).amax();
             if off > ZERO {
                 return None;
@@ -581,7 +599,7 @@ impl EquilibriumContinuation<'_> {
         let part = (end - here) / (next.parameter() - here);
         let mut guess = &line.from + (&next.at.x - &line.from) * part;
         guess[place] = end;
-        let mut next = self.solve(line.mode, &guess, &unit(place + 1, place))?;
+        let mut next = self.solve(line.mode, &guess, &[&unit(place + 1, place)])?;
         next.at.x[place] = end;
         Some((next, true))
     }
@@ -628,6 +646,7 @@ impl EquilibriumContinuation<'_> {
                 what,
                 behind: branch.points.len(),
                 x: zero.solution.at.x,
+                mode: line.mode,
             });
         }
         behind

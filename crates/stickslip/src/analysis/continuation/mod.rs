@@ -4,6 +4,7 @@
 mod curve;
 mod ends;
 mod equilibrium;
+mod equilibrium_curve;
 mod homoclinic;
 mod sequence_changes;
 mod steps;
@@ -30,6 +31,10 @@ pub use curve::{
 pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
     continue_equilibrium,
+};
+pub use equilibrium_curve::{
+    EquilibriumCurve, EquilibriumCurveBifurcation, EquilibriumCurvePoint, EquilibriumCurveSpecial,
+    continue_special_equilibrium,
 };
 pub(super) use steps::Continuation;
 pub use switching::{SwitchedBranch, switch_branches, switch_branches_to};

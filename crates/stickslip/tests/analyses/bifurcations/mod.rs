@@ -4,6 +4,7 @@ mod boundary_equilibria;
 mod branches;
 mod curves;
 mod equilibria;
+mod equilibrium_curves;
 mod on_the_boundary;
 mod several;
 mod static_friction;

@@ -191,7 +191,7 @@ pub(super) fn angle_of(sum: f64) -> Option<f64> {
 
 /// The sum of the products of all multipliers but one, less a number each: zero where a second one
 /// is that number. Unlike the multipliers, it is smooth where two of them meet.
-pub(super) fn others(multipliers: &[Complex<f64>], number: f64) -> f64 {
+pub(in crate::analysis::continuation) fn others(multipliers: &[Complex<f64>], number: f64) -> f64 {
     let without = |k: usize| {
         let all = multipliers.iter().enumerate().filter(|(i, _)| *i != k);
         all.map(|(_, one)| one - number).product::<Complex<f64>>()

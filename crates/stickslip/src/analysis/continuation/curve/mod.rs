@@ -14,6 +14,7 @@ use crate::analysis::cycle::{Cycle, SequenceBifurcation, Shooting, unit};
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
+pub(super) use codimension_two::others;
 pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
 use condition::CurveCondition;
 use steps::Way;
@@ -40,14 +41,18 @@ pub enum CurveStop {
     Range,
     /// The curve has as many points as requested.
     Points,
-    /// The curve is closed: its last orbit is the first.
+    /// The curve is closed: its last orbit or equilibrium is the first.
     Closed,
     /// A flip of the orbit of half the period: both halves of the last orbit are that orbit. The
     /// curve would return on itself, half a period later.
     Flip,
     /// A pair of multipliers has met at 1 or −1. Beyond, both are real, and no torus emerges.
     Resonance,
-    /// Another change of the phases occurs at the same orbit behind the last point.
+    /// The pair of imaginary eigenvalues of a Hopf bifurcation has met at zero. Beyond, both are
+    /// real, and no orbit emerges.
+    BogdanovTakens,
+    /// Another change of the phases occurs at the same orbit behind the last point, or the special
+    /// equilibrium comes to another boundary.
     AnotherChange,
     /// No further orbit could be computed within the shortest step behind the last one.
     NoConvergence,
