@@ -5,12 +5,14 @@ use std::sync::Arc;
 use stickslip::error::readable;
 use stickslip::{Mode, Side};
 
-use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope};
+use super::builder::{Builder, Freed, Inputs, NONE_FREE, NUMBERS, Scope, no_number};
 use super::names::{Meaning, Names};
 use super::problem::Problem;
 use super::template::Template;
 use super::{Formula, InputShape, Rate, StopEvent, SystemFile};
-use crate::expression::{Expression, ExpressionKind, Graph, HeldNumbers, Id, Tape, Test, TooLarge};
+use crate::expression::{
+    Binary, Expression, ExpressionKind, Graph, HeldNumbers, Id, Tape, Test, TooLarge,
+};
 use crate::kernel::{
     Choice, Combination, Fields, HELD_PER_INPUT, Input, Jump, JumpCondition, Map, Shape, Switching,
     pulse,
@@ -195,7 +197,7 @@ pub(super) fn formula_in_mode(
     (formula, mode): (&Formula, Mode),
 ) -> Result<TapeBuild, Problem> {
     let mut graph = Graph::new();
-    let inputs = inputs(file, values, free, &mut graph)?;
+    let inputs = Inputs::free(values, free);
     let mut on_side = |above: usize, held: usize| {
         let scope = Scope::Sides(Combination { above, held });
         Builder::new(file, inputs, &mut graph, scope).force_and_rate(0)
