@@ -119,8 +119,8 @@ fn report(prepared: &PreparedRun, settings: &SpectrumOptions) -> Result<Report, 
 /// Cause of an exponent that is not finite, with so many others after it. The last ones are those
 /// of discrete states.
 fn annihilated(system: &System, after: usize) -> String {
-    let discrete = system.file.states.iter().filter(|state| state.is_discrete);
-    if after < discrete.count() {
+    let discrete = &system.built.switching.discrete;
+    if after < discrete.iter().filter(|is_discrete| **is_discrete).count() {
         return "-∞ (discrete states take isolated values: no orbit lies a little beside)"
             .to_owned();
     }

@@ -94,12 +94,12 @@ impl Graph {
         Ok(derivatives[root.index()])
     }
 
-    /// Whether a number keeps distances of these states: its slope along each is 0, 1 or −1, one
-    /// of which conditions may choose.
+    /// Whether a number multiplies one of these states by a factor: its slope along it is held, and
+    /// neither 0, 1 nor −1. A condition may choose it.
     ///
     /// # Errors
     /// As [`Graph::along`].
-    pub fn keeps_distances(
+    pub fn multiplies(
         &mut self,
         root: Id,
         states: impl Iterator<Item = usize>,
@@ -108,38 +108,28 @@ impl Graph {
         for state in states {
             let along = |input| (input == GraphInput::State(state)).then_some(one);
             let slope = self.along(root, along)?;
-            if slope.is_some_and(|slope| !self.is_unit(slope)) {
-                return Ok(false);
+            if slope.and_then(|slope| self.is_factor(slope)) == Some(true) {
+                return Ok(true);
             }
         }
-        Ok(true)
+        Ok(false)
     }
 
-    /// Whether a number is 0, 1 or −1 in every case.
-    fn is_unit(&self, id: Id) -> bool {
+    /// Whether a slope that is held in each case is neither 0, 1 nor −1 in some; `None` if it is not
+    /// held.
+    fn is_factor(&self, id: Id) -> Option<bool> {
+        if self.is_held(id) {
+            let size = self.value(id).map(f64::abs);
+            return Some(size != Some(0.0) && size != Some(1.0));
+        }
         match self.node(id) {
-            Node::Constant(_) => self
-                .value(id)
-                .is_some_and(|value| value.abs() == 1.0 || value == 0.0),
             Node::Negative(a) | Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => {
-                self.is_unit(a)
+                self.is_factor(a)
             }
             Node::Sum(a, b) | Node::Difference(a, b) => {
-                self.exclude_each_other(a, b) && self.is_unit(a) && self.is_unit(b)
+                Some(self.is_factor(a)? | self.is_factor(b)?)
             }
-            _ => false,
-        }
-    }
-
-    /// Whether one of two numbers is zero, by a condition and its opposite.
-    fn exclude_each_other(&self, a: Id, b: Id) -> bool {
-        match (self.node(a), self.node(b)) {
-            (Node::WherePositive(one, _), Node::WhereNotPositive(other, _))
-            | (Node::WhereNotPositive(one, _), Node::WherePositive(other, _)) => one == other,
-            (Node::WherePositive(one, _), Node::WherePositive(other, _)) => {
-                self.node(one) == Node::Negative(other) || self.node(other) == Node::Negative(one)
-            }
-            _ => false,
+            _ => None,
         }
     }
 

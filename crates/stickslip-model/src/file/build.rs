@@ -498,8 +498,8 @@ fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
 }
 
 /// The states that jumps set to isolated values: to expressions of constants and such states, of
-/// which a condition may choose one. They keep distances: repeated, another factor would make a
-/// continuum of neighbours that approach each other or part.
+/// which a condition may choose one. A state that is multiplied by a factor has a continuum of
+/// neighbours instead, which approach it or part.
 fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete = constant_between_jumps(file);
     loop {
@@ -509,7 +509,7 @@ fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool>
                 && sets.iter().any(|set| {
                     let others = (0..discrete.len()).filter(|&other| discrete[other]);
                     !graph.is_isolated_from(set[state], varies)
-                        || !graph.keeps_distances(set[state], others).unwrap_or(false)
+                        || graph.multiplies(set[state], others).unwrap_or(false)
                 })
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {

@@ -45,7 +45,7 @@ pub(crate) fn equilibrium_continuation<'py>(
         let curves = match &also {
             Some((name, low, high)) => {
                 let number = system.file.parameter(name)?;
-                let both = system.along_both(number, along.number)?;
+                let both = system.with_states_of(&[number, along.number])?;
                 let second = (&both, system.values[number], (*low, *high));
                 branch.curves(second, &settings)?
             }

@@ -338,12 +338,16 @@ fn closing(
 /// step leaves three quarters of the distance.
 const MOST_STEPS: usize = 80;
 
-/// A slope vanishes with its gap if less than this part of both is left. Chosen between the root of
-/// rounding and one.
-const FLAT: f64 = 1e-6;
+/// Part of the slope that Newton's last step to a zero leaves, at most, where it vanishes there.
+/// Chosen between one half, as at a double zero, and 1, as at a zero with a slope.
+const FLATTENS: f64 = 0.7;
 
-/// Whether the derivative of a gap's rate by the reaction vanishes wherever the gap does. The tape
-/// is that of [`closing`]. The numbers are those of states with what inputs hold, and of states.
+/// Part of a gap that is left next to a zero. Chosen above rounding, which decides nearer steps.
+const NEXT_TO_ZERO: f64 = 64.0 * f64::EPSILON;
+
+/// Whether the derivative of a gap's rate by the reaction vanishes wherever the gap does: Newton's
+/// steps to a zero then leave a part of it each. The tape is that of [`closing`]. The
+/// numbers are those of states with what inputs hold, and of states.
 fn flattens_by(tape: &Tape, (all, states): (usize, usize)) -> bool {
     let evaluated = |t: f64, x: &[f64]| {
         let mut values = vec![0.0; 3 + 2 * states];
@@ -355,18 +359,20 @@ fn flattens_by(tape: &Tape, (all, states): (usize, usize)) -> bool {
         let t = draw.uniform();
         let mut x: Vec<f64> = (0..all).map(|_| draw.between(0.5, 1.5)).collect();
         let start = evaluated(t, &x);
-        let mut at = start.clone();
+        let (mut at, mut flattens) = (start.clone(), false);
         for _ in 0..MOST_STEPS {
-            if at[0] == 0.0 {
+            if at[0].abs() <= NEXT_TO_ZERO * start[0].abs() {
                 break;
             }
+            let before = at[2];
             for (x, way) in x.iter_mut().zip(&at[3..3 + states]) {
                 *x -= way * at[0];
             }
             at = evaluated(t, &x);
+            flattens = at[2].abs() <= FLATTENS * before.abs();
         }
-        let is_lost = |part: usize| at[part].abs() <= FLAT * start[part].abs();
-        start[0] != 0.0 && start[2] != 0.0 && is_lost(0) && is_lost(2)
+        let is_near = at[0].abs() <= NEXT_TO_ZERO * start[0].abs();
+        start[0] != 0.0 && start[2] != 0.0 && is_near && flattens
     })
 }
 

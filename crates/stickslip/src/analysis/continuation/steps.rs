@@ -275,7 +275,8 @@ impl<'a> Continuation<'a> {
         if onward.as_ref().is_some_and(bends) {
             return self.shorten(step, 0.5);
         }
-        if self.is_the_half(&next) {
+        // Beside a flip, Newton's method may lead to the half's branch.
+        if [&next, &self.branch.last].map(Cycle::is_half_twice) == [Some(true), Some(false)] {
             return self.shorten(step, 0.5);
         }
         match self.change_before(&line, &next) {
@@ -296,13 +297,6 @@ impl<'a> Continuation<'a> {
             return Some(Stop::Points);
         }
         end.or(is_outside.then_some(Stop::Range))
-    }
-
-    /// Whether another orbit is its own half run through twice, and the last one is not. Beside a
-    /// flip, Newton's method may lead to the half's branch.
-    fn is_the_half(&self, next: &Cycle) -> bool {
-        let apart = |one: &Cycle| Some(one.halves()?.amax() > one.closes_to);
-        apart(next) == Some(false) && apart(&self.branch.last) == Some(true)
     }
 
     /// Whether the period grows while the parameter changes by no more than the tolerance.

@@ -44,7 +44,7 @@ impl Continuation<'_> {
         // that of the parabola through both orbits with the tangent at the other one.
         let chord = (parameter_of(&next) - self.parameter()) / length;
         let is_undetermined = self.begins_on_other && self.branch.points.len() == 1;
-        // The orbits beyond a flip of the half are those before it, run through from the other half.
+        // Beyond a flip of the half, the orbits are those before it, begun at the other half.
         let end = flip.as_ref().map_or(&next, |flip| &flip.solution);
         let place_of_end = line.place(end);
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
@@ -68,7 +68,12 @@ impl Continuation<'_> {
             if a * b >= 0.0 {
                 continue;
             }
-            let Some(zero) = self.zero(line, [(begin, a), (place_of_end, b)], function) else {
+            let ends = [(begin, a), (place_of_end, b)];
+            let zero = match kind {
+                1 => self.meeting(line, ends, function),
+                _ => self.zero(line, ends, function),
+            };
+            let Some(zero) = zero else {
                 continue;
             };
             // Where the neighbouring orbits do not resolve the zero, the tangent is undetermined.
@@ -166,7 +171,8 @@ impl Continuation<'_> {
         if !is_resolved || a >= 0.0 {
             return None;
         }
-        let zero = self.zero(line, [(0.0, a), (line.place(next), b)], &part)?;
+        let ends = [(0.0, a), (line.place(next), b)];
+        let zero = self.meeting(line, ends, &part)?;
         let left = zero.solution.halves()?.norm();
         (left <= LARGEST_LEFT * before.norm().max(behind.norm())).then_some(zero)
     }
@@ -203,26 +209,49 @@ impl Continuation<'_> {
         const PRECISE: f64 = 100.0;
         // Part of the range that is resolved in any case.
         const RESOLVED: f64 = 1e-6;
-        let direct = line.orbits(&self.shooting).zero([a, b], function);
         let width = self.branch.units.width;
         let size = width.max(self.parameter().abs());
         let precise = (PRECISE * self.shooting.options.rtol * size).min(RESOLVED * width);
+        let direct = line.orbits(&self.shooting).zero([a, b], function);
         if direct
             .as_ref()
             .is_some_and(|zero| zero.uncertainty <= precise)
         {
             return direct;
         }
-        let secant = a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1);
-        let rough = direct.as_ref().map_or(secant, |zero| zero.s);
+        let rough = direct.as_ref().map_or(secant(a, b), |zero| zero.s);
         let interpolated = self.interpolated_from_afar(line, (b.0 - a.0, rough), function, precise);
-        match (direct, interpolated) {
-            (Some(direct), Some(interpolated)) => {
-                let is_better = interpolated.uncertainty < direct.uncertainty;
-                let is_better = is_better || direct.uncertainty.is_nan();
-                Some(if is_better { interpolated } else { direct })
+        let interpolated = interpolated.map(|(zero, _)| zero);
+        let (Some(direct), Some(interpolated)) = (&direct, &interpolated) else {
+            return direct.or(interpolated);
+        };
+        let is_better =
+            interpolated.uncertainty < direct.uncertainty || direct.uncertainty.is_nan();
+        let best = if is_better { interpolated } else { direct };
+        Some(LocatedZero {
+            parameter: best.parameter,
+            uncertainty: best.uncertainty,
+            solution: direct.solution.clone(),
+            ..*direct
+        })
+    }
+
+    /// [`Continuation::zero`] where another branch meets this one. Newton's matrix is singular
+    /// there, so that place and orbit are those of the polynomial through orbits around it.
+    fn meeting(
+        &self,
+        line: &TangentLine,
+        [a, b]: [(f64, f64); 2],
+        function: &SolutionFunction<'_>,
+    ) -> Option<LocatedZero> {
+        let direct = line.orbits(&self.shooting).zero([a, b], function);
+        let rough = direct.as_ref().map_or(secant(a, b), |zero| zero.s);
+        match self.interpolated_from_afar(line, (b.0 - a.0, rough), function, 0.0) {
+            Some((mut zero, at_zero)) => {
+                zero.solution = at_zero.unwrap_or(zero.solution);
+                Some(zero)
             }
-            (direct, interpolated) => direct.or(interpolated),
+            None => direct,
         }
     }
 
@@ -236,31 +265,32 @@ impl Continuation<'_> {
         (mut length, rough): (f64, f64),
         function: &SolutionFunction<'_>,
         precise: f64,
-    ) -> Option<LocatedZero> {
-        let (mut best, mut of_polynomial) = self.interpolated(line, length, rough, function)?;
+    ) -> Option<(LocatedZero, Option<Cycle>)> {
+        let (mut best, mut of_polynomial, at_zero) =
+            self.interpolated(line, length, rough, function)?;
         while best.uncertainty > precise && 2.0 * of_polynomial < best.uncertainty {
             length *= 2.0;
             match self.interpolated(line, length, best.s, function) {
-                Some((wider, of_wider)) if wider.uncertainty < best.uncertainty => {
+                Some((wider, of_wider, _)) if wider.uncertainty < best.uncertainty => {
                     (best.parameter, best.uncertainty) = (wider.parameter, wider.uncertainty);
                     of_polynomial = of_wider;
                 }
                 _ => break,
             }
         }
-        Some(best)
+        Some((best, at_zero))
     }
 
-    /// Zero of a function near a place, by a polynomial through orbits around it, and the part of
-    /// the uncertainty that is the polynomial's. Where another branch crosses this one, Newton's
-    /// matrix is singular, and no orbit can be computed close to it.
+    /// Zero of a function near a place, by a polynomial through orbits around it; the part of the
+    /// uncertainty that is the polynomial's; and the orbit there. Where another branch crosses this
+    /// one, Newton's matrix is singular, and no orbit can be computed close to it.
     fn interpolated(
         &self,
         line: &TangentLine,
         length: f64,
         rough: f64,
         function: &SolutionFunction<'_>,
-    ) -> Option<(LocatedZero, f64)> {
+    ) -> Option<(LocatedZero, f64, Option<Cycle>)> {
         // Distance of the nodes, as a fraction of that between the last two orbits. Chosen:
         // shorter, the closing errors would decide; longer, the degree of the polynomial.
         const SPACING: f64 = 0.05;
@@ -305,14 +335,14 @@ impl Continuation<'_> {
         let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
         let (of_polynomial, of_rounding) = (off(fewer[0]), off(fewer[1]));
-        let solution = self.interpolated_orbit(&all, s);
+        let at_zero = self.interpolated_orbit(&all, s);
         let zero = LocatedZero {
             s,
             parameter,
-            solution: solution.unwrap_or_else(|| nearest.cycle.clone()),
+            solution: nearest.cycle.clone(),
             uncertainty: of_polynomial + of_rounding + of_steps,
         };
-        Some((zero, of_polynomial))
+        Some((zero, of_polynomial, at_zero))
     }
 
     /// The orbit at a place, by the polynomial through the unknowns of the nodes: Newton's method
@@ -338,6 +368,11 @@ impl Continuation<'_> {
         let of_rounding = (self.branch.units.width, self.branch.last.steps);
         with_last_digits((parameter, uncertainty), step, of_rounding)
     }
+}
+
+/// The place where a straight line through two values is zero.
+fn secant(a: (f64, f64), b: (f64, f64)) -> f64 {
+    a.0 - a.1 * (b.0 - a.0) / (b.1 - a.1)
 }
 
 /// An orbit on a line, and the value of a function there.

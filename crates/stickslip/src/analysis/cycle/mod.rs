@@ -152,6 +152,14 @@ impl Cycle {
         durations.any(|margin| margin.relative() <= closeness(options))
     }
 
+    /// Whether the orbit is half of it run through twice, where its halves have the same phases.
+    /// Halves part as the root of the distance from a flip, so that up to the root of the closing
+    /// error they are one.
+    pub fn is_half_twice(&self) -> Option<bool> {
+        let apart = self.halves()?.amax();
+        Some(apart * apart <= self.closes_to * self.extent)
+    }
+
     /// The difference between the two halves of the orbit, where they have the same phases. It is
     /// that of the states at which these begin and, in units of the states, of the times.
     pub fn halves(&self) -> Option<Vector> {
