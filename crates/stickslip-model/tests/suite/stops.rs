@@ -6,6 +6,7 @@ use std::ops::ControlFlow;
 use numerics::SplitMix;
 use stickslip::dynamics::{Modes, OrbitProgress, OrbitUnderWay};
 use stickslip::{Ending, Error, Mode, Side, math};
+use stickslip_model::file::{Source, SystemFile};
 use stickslip_model::kernel::follow;
 use stickslip_model::study::Variables;
 
@@ -781,6 +782,38 @@ om = 0
 [time]
 end = 5
 "#;
+
+/// A gap needs a slope where it closes, however small or far from where one begins to look.
+#[test]
+fn gaps_with_any_slope_are_taken_and_flat_ones_refused() {
+    let read = |gap: &str| {
+        let text = BALL.replace("gap = \"h\"", &format!("gap = \"{gap}\""));
+        assert!(gap == "h" || text != BALL);
+        let name = "ball.toml".to_owned();
+        SystemFile::parse(Source { name, text })
+    };
+    for gap in [
+        "h",
+        "h/(1 + h^2)",
+        "1e-7*h + h^3",
+        "h + sin(h)",
+        "h^2 - 1e-8",
+        "exp(h) - 1",
+    ] {
+        assert!(read(gap).is_ok(), "{gap}");
+    }
+    for gap in [
+        "h^2",
+        "h^3",
+        "h^4",
+        "(h - 1)^2",
+        "1 - cos(h)",
+        "sqrt(h^2 + 1) - 1",
+    ] {
+        let words = read(gap).unwrap_err().to_string();
+        assert!(words.contains("slope of the gap"), "{gap}: {words}");
+    }
+}
 
 #[test]
 fn redundant_stops_are_named() {

@@ -359,17 +359,20 @@ fn flattens_by(tape: &Tape, (all, states): (usize, usize)) -> bool {
         let t = draw.uniform();
         let mut x: Vec<f64> = (0..all).map(|_| draw.between(0.5, 1.5)).collect();
         let start = evaluated(t, &x);
-        let (mut at, mut flattens) = (start.clone(), false);
+        let (mut at, mut flattens, mut length) = (start.clone(), false, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             if at[0].abs() <= NEXT_TO_ZERO * start[0].abs() {
                 break;
             }
-            let before = at[2];
+            let (before, last) = (at[2], length);
+            length = 0.0;
             for (x, way) in x.iter_mut().zip(&at[3..3 + states]) {
                 *x -= way * at[0];
+                length += (way * at[0]).abs();
             }
             at = evaluated(t, &x);
-            flattens = at[2].abs() <= FLATTENS * before.abs();
+            // A gap also vanishes towards infinity, by ever longer steps.
+            flattens = length < last && at[2].abs() <= FLATTENS * before.abs();
         }
         let is_near = at[0].abs() <= NEXT_TO_ZERO * start[0].abs();
         start[0] != 0.0 && start[2] != 0.0 && is_near && flattens
