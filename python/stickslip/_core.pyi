@@ -133,6 +133,7 @@ def equilibrium_continuation(
     transient: float | None,
     range: tuple[str, float, float],
     how: tuple[float, int],
+    also: tuple[str, float, float] | None,
     settings: _Settings,
 ) -> _Found: ...
 def fit(
