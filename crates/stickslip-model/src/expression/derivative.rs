@@ -115,8 +115,8 @@ impl Graph {
         Ok(false)
     }
 
-    /// Whether a slope that is held in each case is neither 0, 1 nor −1 in some; `None` if it is not
-    /// held.
+    /// Whether a slope that is held in each case is neither 0, 1 nor −1 in some; `None` if it is
+    /// not held.
     fn is_factor(&self, id: Id) -> Option<bool> {
         if self.is_held(id) {
             let size = self.value(id).map(f64::abs);

@@ -174,8 +174,8 @@ fn an_extreme_at_the_kink_of_an_input_moves_with_it() {
     }
 }
 
-/// A pulse of the width w from the phase on: the largest value is `(1 - e^(-wT))/(1 - e^(-T))`, where
-/// the pulse ends. The phase only shifts the time.
+/// A pulse of the width w from the phase on: the largest value is `(1 - e^(-wT))/(1 - e^(-T))`,
+/// where the pulse ends. The phase only shifts the time.
 #[test]
 fn an_extreme_at_a_kink_behind_the_start_moves_with_it() {
     let period = 1.1;

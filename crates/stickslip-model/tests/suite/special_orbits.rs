@@ -339,8 +339,8 @@ fn a_branch_of_twice_the_period_ends_in_a_flip_of_its_half() {
     assert_eq!([0, 1].map(|k| rows[k].name.as_str()), ["flip", "flip"]);
 }
 
-/// Fixed points of a map by a clock are the lemniscate `(x² + r²)² = 2(r² - x²)`. Its two loops cross
-/// at `r = 0`; the map has flips where its slope is −1.
+/// Fixed points of a map by a clock are the lemniscate `(x² + r²)² = 2(r² - x²)`. Its two loops
+/// cross at `r = 0`; the map has flips where its slope is −1.
 const LEMNISCATE: &str = r#"
 name = "lemniscate"
 [time]

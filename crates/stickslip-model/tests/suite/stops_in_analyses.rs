@@ -363,8 +363,8 @@ fn a_branch_passes_impacts_that_accumulate() {
         assert_eq!(phases, "table.lift-off table.landing");
         let here = with(TABLE, &[("A", orbit.parameter)]);
         let start = (orbit.t, orbit.x.as_slice()[..3].to_vec());
-        // The orbit begins as the table throws the ball, and the run ends just behind that. At A = 1
-        // rounding decides the time.
+        // The orbit begins as the table throws the ball, and the run ends just behind that. At
+        // A = 1 rounding decides the time.
         let run = Run::from(here, &options, (start.clone(), orbit.t + 2.0 * PI + 1e-9));
         let states = if orbit.parameter > 1.0 + 1e-6 { 3 } else { 2 };
         for (state, before) in ["h", "v", "table.closed"][..states].iter().zip(&start.1) {
