@@ -90,7 +90,8 @@ fn a_state_that_is_multiplied_has_neighbours_and_a_multiplier() {
     let counted = |set: &str| {
         let text = format!(
             "name = \"counter\"\n[states]\nx = \"\"\n[discrete]\nn = 0\n[jumps.set]\n\
-             when = \"x - 1\"\nset = {{ x = \"0\", n = \"{set}\" }}\n[field]\nx = \"1\"\n[start]\nx = 0\n"
+             when = \"x - 1\"\nset = {{ x = \"0\", n = \"{set}\" }}\n[field]\nx = \"1\"\n\
+             [start]\nx = 0\n"
         );
         system(&text).built.switching.discrete[1]
     };
