@@ -83,7 +83,7 @@ fn a_state_that_is_multiplied_has_neighbours_and_a_multiplier() {
         let found = real_multipliers(&orbit);
         let is_one = |wanted: f64| found.iter().any(|one| (one - wanted).abs() < 1e-9);
         assert!(
-            is_one(factor) && is_one((-1.0_f64).exp()),
+            is_one(factor) && is_one(math::exp(-1.0)),
             "{set}: {found:?}"
         );
     }
