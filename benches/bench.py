@@ -239,7 +239,7 @@ def one(wanted):
 
 # --- seven problems as a user of Python states them ---
 
-TOOLS = ("stickslip", "scipy", "heyoka", "diffsol")
+TOOLS = ("stickslip", "scipy", "heyoka", "diffsol", "siconos")
 TOLERANCES = (1e-5, 1e-7, 1e-9, 1e-11, 1e-13)
 # Error at which times are compared.
 TARGETS = {"belt": 1e-10, "impact": 1e-10, "table": 1e-9, "buck": 1e-10, "diagram": 1e-5}
@@ -278,7 +278,8 @@ def python_rows(name, rounds):
     """The rows of a problem.
 
     A module has a function `with_TOOL(tol)` for each tool, which states the problem and returns a
-    function that solves it. The error of an ensemble is the part of the starts with another answer.
+    function that solves it. A tool whose setting is another has `tolerances` of its own. The error
+    of an ensemble is the part of the starts with another answer.
     """
     import numpy as np
 
@@ -295,7 +296,7 @@ def python_rows(name, rounds):
         right = module.reference()
     for tool in TOOLS:
         make = getattr(module, f"with_{tool}", None)
-        for tol in tolerances if make else ():
+        for tol in getattr(make, "tolerances", tolerances) if make else ():
             row = {"problem": name, "tool": tool, "rtol": tol, "lines": lines(make), "scale": 1.0}
             if sampled:
                 some = order[: sampled if tool == "scipy" else None]

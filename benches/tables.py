@@ -201,6 +201,7 @@ def beside_python(rows):
         for row in rows
         if row["tool"] == "stickslip" and row["problem"] in SINGLE_ORBITS
     ]
+    siconos = [row for row in rows if row["tool"] == "siconos"][-1]
     missed = sum(float(row["over_stickslip"]) < 1 for row in heyoka.values())
     lines = [int(row["lines"]) for row in rows if row["tool"] == "stickslip"]
     elsewhere = [int(row["lines"]) for row in rows if row["tool"] != "stickslip"]
@@ -209,7 +210,9 @@ def beside_python(rows):
         f"it at least {duration(min(compiled))}, which is not in these times. A single orbit "
         f"here takes {duration(min(ours))} to {duration(max(ours))}. The aim was to be ahead of it on "
         f"each problem, which is missed on {NUMBERS[missed]}. The user's code is "
-        f"{min(lines)} to {max(lines)} lines here, {min(elsewhere)} to {max(elsewhere)} elsewhere."
+        f"{min(lines)} to {max(lines)} lines here, {min(elsewhere)} to {max(elsewhere)} elsewhere. "
+        "Siconos steps in time: its row is at its own least error, "
+        f"{float(siconos['that_error']):.0e}, by steps of {float(siconos['rtol']):.0e}."
     )
 
 
@@ -224,7 +227,7 @@ def from_python(rows):
         "basin": "basin of 200 × 200 starts",
         "valve": "relief valve with impacts, 3072 flows",
     }
-    peers = {"scipy": "SciPy", "heyoka": "heyoka", "diffsol": "pydiffsol"}
+    peers = {"scipy": "SciPy", "heyoka": "heyoka", "diffsol": "pydiffsol", "siconos": "Siconos"}
     over = {(row["problem"], row["tool"]): row["over_stickslip"] for row in rows}
 
     def shown(problem, peer):
