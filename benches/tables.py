@@ -208,8 +208,8 @@ def beside_python(rows):
     return (
         "heyoka is faster on single orbits once its compiled code exists. Stating a problem takes "
         f"it at least {duration(min(compiled))}, which is not in these times. A single orbit "
-        f"here takes {duration(min(ours))} to {duration(max(ours))}. The aim was to be ahead of it on "
-        f"each problem, which is missed on {NUMBERS[missed]}. The user's code is "
+        f"here takes {duration(min(ours))} to {duration(max(ours))}. The aim was to be ahead of it "
+        f"on each problem, which is missed on {NUMBERS[missed]}. The user's code is "
         f"{min(lines)} to {max(lines)} lines here, {min(elsewhere)} to {max(elsewhere)} elsewhere. "
         "Siconos steps in time: its row is at its own least error, "
         f"{float(siconos['that_error']):.0e}, by steps of {float(siconos['rtol']):.0e}."

@@ -132,13 +132,24 @@ pub(super) fn check(file: &Arc<SystemFile>) -> Result<Template, Problem> {
 
 /// Whether an expression, or a definition in it, has the reaction of a stop.
 fn has_reaction(file: &SystemFile, expression: &Expression) -> bool {
-    let of = |expression: &Expression| has_reaction(file, expression);
+    has_name(file, expression, &|meaning| {
+        matches!(meaning, Meaning::Force(_))
+    })
+}
+
+/// Whether an expression, or a definition in it, has a name with a wanted meaning.
+pub(super) fn has_name(
+    file: &SystemFile,
+    expression: &Expression,
+    is_wanted: &dyn Fn(Meaning) -> bool,
+) -> bool {
+    let of = |expression: &Expression| has_name(file, expression, is_wanted);
     match &expression.kind {
         ExpressionKind::Number(_) => false,
         ExpressionKind::Name(name) => match file.names.get(name) {
-            Some(Meaning::Force(_)) => true,
             Some(Meaning::Definition(number)) => of(&file.definitions[number].formula.tree),
-            _ => false,
+            Some(meaning) => is_wanted(meaning),
+            None => false,
         },
         ExpressionKind::Negative(inner) => of(inner),
         ExpressionKind::Chain(first, rest) => of(first) || rest.iter().any(|(_, one)| of(one)),

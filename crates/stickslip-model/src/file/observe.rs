@@ -30,6 +30,11 @@ const MODES: [Mode; 3] = [
 ];
 
 impl Observed {
+    /// Whether it depends on the mode: it has the friction force of the contact.
+    pub fn has_force(&self) -> bool {
+        self.tapes.len() > 1
+    }
+
     /// The value at a time in a mode of the contacts, from the states and the parameters that are
     /// variables behind them. An input has the value that it has from that time on.
     pub fn value<T: Scalar>(&self, modes: Modes, t: f64, x: &[T]) -> T {
@@ -87,8 +92,8 @@ impl System {
         };
         let free = Freed::of(variables);
         let made = Formula::parsed(text, 0..text.len(), &source).and_then(|formula| {
-            let mut contacts = self.file.contacts.iter();
-            let has_force = contacts.any(|one| text.contains(&format!("{}.force", one.name)));
+            let is_friction = |meaning| matches!(meaning, Meaning::Friction(_));
+            let has_force = build::has_name(&self.file, &formula.tree, &is_friction);
             match has_force && self.contacts() == 1 {
                 true => MODES
                     .iter()

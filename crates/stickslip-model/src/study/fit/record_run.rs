@@ -318,8 +318,12 @@ impl RecordRun {
                 let [before, after] = [(before, Place::Before), (after, Place::Behind)].map(value);
                 let change = after - before;
                 // A force goes on where a contact slips off at its limit.
-                let is_rounding = change.abs() <= SAME * before.abs().max(after.abs());
-                if is_rounding { 0.0 } else { change }
+                let goes_on = change.abs() <= SAME * before.abs().max(after.abs());
+                if observed.has_force() && goes_on {
+                    0.0
+                } else {
+                    change
+                }
             });
             let changes: Vec<f64> = changes.collect();
             if changes.iter().all(|change| *change == 0.0) {
@@ -381,8 +385,8 @@ impl RecordRun {
     }
 }
 
-/// Change of an observable at an event that counts as none, as a part of its size. Chosen: half of
-/// the digits of a double.
+/// Change of a friction force at an event that counts as none, as a part of its size: location of
+/// the event leaves it. Chosen: half of the digits of a double.
 const SAME: f64 = 1e-8;
 
 /// Side of an instant at which an event may stand.

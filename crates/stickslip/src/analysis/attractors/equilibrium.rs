@@ -7,6 +7,7 @@ use crate::analysis::multipliers;
 use crate::dynamics::{Dynamics, Matrix, Modes, Moment, Vector};
 use crate::interval::Interval;
 use crate::math::{modulus, product};
+use crate::system::{Mode, Side};
 
 /// Largest number of Newton steps. Quadratic convergence takes ten; a double zero takes one for
 /// each factor of two.
@@ -191,7 +192,7 @@ pub(crate) fn equations(
     // Each equation is scaled to its own unit: beside that of a stiff spring, that of a position is
     // not small. Cancellation in a sliding field leaves rounding of its largest terms, and no
     // equation.
-    let rounding = ROUNDING * jacobian.amax();
+    let rounding = ROUNDING * terms(system, mode, at, jacobian).amax();
     for (mut row, right) in matrix.row_iter_mut().zip(right.iter_mut()) {
         let size = row.amax();
         // A rate that no state changes has no zero.
@@ -203,6 +204,20 @@ pub(crate) fn equations(
         *right *= per_size;
     }
     Some((matrix, right))
+}
+
+/// Sizes of the terms of a mode's Jacobian. A sliding field combines the fields on both sides,
+/// which may cancel: of one state, nothing but their rounding is left.
+pub(crate) fn terms(system: &dyn Dynamics, mode: Modes, at: &Moment, jacobian: &Matrix) -> Matrix {
+    let slips = |side: Side| {
+        let contacts = mode.iter().enumerate();
+        let sticking = contacts.filter(|(_, own)| *own == Mode::Stick);
+        sticking.fold(mode, |slips, (k, _)| slips.with(k, Mode::Slip(side)))
+    };
+    let sides = [Side::Below, Side::Above].into_iter();
+    let fields = sides.filter(|_| mode.any_sticks()).map(slips);
+    let fields = fields.map(|slips| jacobian_of(system, slips, at).abs());
+    fields.fold(jacobian.abs(), |sizes, field| sizes.sup(&field))
 }
 
 /// The Jacobian of a mode's field, by dual numbers.

@@ -10,7 +10,7 @@ use super::steps::SHORTEST_STEP;
 use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
-    ZERO, along_boundaries, equations, holds, jacobian_of, without_constant,
+    ZERO, along_boundaries, equations, holds, jacobian_of, terms, without_constant,
 };
 use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction, unit, with_last_digits};
 use crate::analysis::multipliers::eigenvalues;
@@ -332,7 +332,7 @@ impl EquilibriumContinuation<'_> {
                 let is_zero = |size: f64| size <= ZERO * ZERO.sqrt();
                 let off = right.amax() / self.units.amax();
                 let velocity = self.system.flow(mode, &at).velocity(&at);
-                let speed = (jacobian.abs() * &self.units).amax();
+                let speed = (terms(self.system, mode, &at, &jacobian) * &self.units).amax();
                 let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
                 let along = along_boundaries(self.system, mode, &at, &jacobian, states);
                 return (is_zero(size) && is_zero(off) && is_at_rest).then_some(

@@ -100,10 +100,10 @@ pub struct EquilibriumCurve {
 /// **The parameters are the last two states.** The last is the branch parameter, as in
 /// [`super::continue_equilibrium`]; the other has the value `other` on the branch, and a range.
 /// In the plane across the curve, equilibria form a branch. The function that vanishes at the
-/// special equilibrium has a zero on it. It is the determinant of the Jacobian at a fold, the sum
-/// of a pair of eigenvalues at a Hopf bifurcation, and a guard of the mode at a boundary
-/// equilibrium. So curves pass their own folds, and curves of folds pass cusps. `size` is the size
-/// of the states, in whose unit steps are measured.
+/// special equilibrium has a zero on it. At a fold it is the determinant of the Jacobian. At a Hopf
+/// bifurcation it is the sum of a pair of eigenvalues, and at a boundary equilibrium a guard of the
+/// mode. So curves pass their own folds, and curves of folds pass cusps. `size` is the size of the
+/// states, in whose unit steps are measured.
 ///
 /// # Errors
 /// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last two

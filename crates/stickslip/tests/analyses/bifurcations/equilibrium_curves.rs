@@ -421,3 +421,35 @@ fn a_branch_point_has_no_curve_and_what_is_no_parameter_is_refused() {
         "{error}"
     );
 }
+
+/// A relay of one state, `x' = p - x - (m + m²/10) sgn x`. It sticks at x = 0 up to
+/// `|p| = m + m²/10`. The sliding field is rounding alone.
+struct Relay<const N: usize>;
+
+impl<const N: usize> Filippov<N> for Relay<N> {
+    fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; N]) -> [T; N] {
+        let m = if N == 3 { x[1] } else { T::constant(1.0) };
+        let mut rates = [T::zero(); N];
+        rates[0] = x[N - 1] - x[0] - (m + m * m * 0.1) * side.sign();
+        rates
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; N]) -> T {
+        x[0]
+    }
+}
+
+#[test]
+fn boundary_equilibria_of_a_relay_of_one_state_are_followed_to_the_ends_of_the_range() {
+    let settings = ContinuationSettings::over(-3.0, 3.0);
+    let options = Options::tol(1e-12);
+    for upwards in [false, true] {
+        let branch =
+            continue_equilibrium(&Relay::<2>, [0.0, 0.3], upwards, &settings, &options).unwrap();
+        let how = (&settings, (0.1, 2.0));
+        let found = continue_special_equilibrium(&Relay::<3>, &branch.special[0], (1.0, 1.0), how);
+        let found = found.unwrap();
+        let sign = if upwards { 1.0 } else { -1.0 };
+        lies_on(&found, |[m, p]| p - sign * (m + m * m * 0.1), 1e-12);
+        assert_eq!(found.stops, [CurveStop::Range; 2]);
+    }
+}
