@@ -371,6 +371,50 @@ fn a_branch_goes_through_two_changes_at_once_to_the_end_of_what_the_file_allows(
     assert!(first >= 0.0 && last == 3.0);
 }
 
+/// The belt's speed is a multiple of the parameter: the change lies where the speed is the same, and
+/// the branch reaches both ends of its range with any multiple.
+#[test]
+fn a_branch_does_not_depend_on_the_unit_of_a_parameter_in_a_boundary() {
+    let block = |multiple: f64| {
+        format!(
+            r#"name = "block"
+[states]
+x = ""
+v = ""
+[parameters]
+q = {}
+[definitions]
+speed = "{multiple}*q"
+[contacts.belt]
+boundary = "v - speed"
+friction = "0.4/(1 + 3*belt*(v - speed))"
+[field]
+x = "v"
+v = "-x - 0.05*v - friction(belt)"
+[start]
+x = 0.5
+v = 0
+"#,
+            0.5 / multiple
+        )
+    };
+    for multiple in [0.1, 1.0, 2.0, 10.0] {
+        let range = [0.3, 0.7].map(|speed| speed / multiple);
+        let (_, branch) = followed(&block(multiple), &[], ("q", range[0], range[1]));
+        assert_eq!(ends(&branch), ["range", "range"], "{multiple}");
+        let found = special(&branch);
+        let [(name, place)] = found.as_slice() else {
+            panic!("{multiple}: {found:?}");
+        };
+        assert_eq!(name, "switching-sliding");
+        // The middle of what four multiples give, which differ by less than 1e-11.
+        assert!(
+            (place * multiple - 0.595_937_554_85).abs() < 1e-10,
+            "{place}"
+        );
+    }
+}
+
 /// A branch along which a bad guess would require an endless orbit.
 #[test]
 fn a_long_branch_comes_to_its_end() {
