@@ -461,6 +461,18 @@ pub enum Error {
         /// State.
         x: Point,
     },
+    /// A jump, a terminal event or an observer stops the orbit before the analysis has run along it
+    /// for as long as it should.
+    #[error(
+        "the orbit stops at t = {t}, x = {x}, before the end of the time that was asked for; give \
+            a shorter time, or a system that goes on there", t = readable(*t)
+    )]
+    Stopped {
+        /// Time.
+        t: f64,
+        /// State.
+        x: Point,
+    },
     /// Tangent vectors have no finite image, or one of them none but zero.
     #[error(
         "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary \
@@ -601,6 +613,7 @@ impl Error {
             | Error::Contacts { t, x, .. }
             | Error::NoUniqueFuture { t, x }
             | Error::Shrunk { t, x }
+            | Error::Stopped { t, x }
             | Error::ChainedJumps { t, x, .. }
             | Error::SimultaneousEvents { t, x }
             | Error::TiedChoice { t, x, .. }

@@ -112,6 +112,7 @@ impl<X> SummaryOf<X> {
         let (t, x) = (self.t, Point::from(&self.x));
         match self.ending {
             Ending::Shrunk => Error::Shrunk { t, x },
+            Ending::Stopped => Error::Stopped { t, x },
             _ => Error::NoUniqueFuture { t, x },
         }
     }

@@ -101,6 +101,39 @@ fn a_jump_that_sets_two_states_annihilates_two_directions() {
     assert_eq!(found.annihilated(), 2, "{found:?}");
 }
 
+/// An orbit that a jump stops is measured up to the stop, and without time before it not at all.
+#[test]
+fn an_orbit_that_a_jump_stops_is_measured_up_to_the_stop() {
+    let text = "name = \"stops\"\n[states]\ns = \"\"\nx = \"\"\n[field]\ns = \"1\"\nx = \"-x\"\n\
+                [jumps.off]\nwhen = \"s - 5\"\ndirection = \"rising\"\nstop = true\n";
+    let system = system(text);
+    // The stop comes in the transient, in the measured time, and after two of its blocks.
+    for (transient, duration) in [(20.0, 100.0), (1.0, 100.0), (0.0, 10.0)] {
+        let settings = SpectrumOptions::over(transient, duration);
+        let found = |s: f64| {
+            let start = [s, 1.0];
+            lyapunov_spectrum(system.dynamics(), (0.0, &start[..]), &settings)
+        };
+        let spectrum = found(0.0).unwrap();
+        let Some(Error::Stopped { t, .. }) = spectrum.ended else {
+            panic!("{spectrum:?}");
+        };
+        assert!((t - 5.0).abs() < 1e-9, "{t}");
+        assert!(spectrum.duration > 2.0, "{spectrum:?}");
+        for (exponent, exact) in spectrum.exponents.iter().zip([0.0, -1.0]) {
+            assert!((exponent.value() - exact).abs() < 0.01, "{spectrum:?}");
+            assert!(exponent.std_error().unwrap() < 0.01, "{spectrum:?}");
+        }
+        let refused = found(5.0);
+        assert!(
+            matches!(refused, Err(Error::Stopped { t: 0.0, .. })),
+            "{refused:?}"
+        );
+        let largest = largest_exponent(system.dynamics(), (0.0, [0.0, 1.0]), &settings);
+        assert!(matches!(largest, Err(Error::Stopped { .. })), "{largest:?}");
+    }
+}
+
 #[test]
 fn a_jump_that_another_one_sets_off_is_named_where_the_field_changes_at_it() {
     let text = "name = \"chain\"\n[states]\ns = \"\"\nx = \"\"\n[field]\ns = \"1\"\nx = \"-x\"\n\

@@ -3,7 +3,7 @@
 use super::attractor::{Attractor, AttractorKind, shifts};
 use super::equilibrium::{distance_bounds, holds, resolves};
 use super::recurrent::is_same_set;
-use super::tolerance::SOLVER_TOLERANCES;
+use super::tolerance::{SOLVER_TOLERANCES, SameWithin};
 use crate::analysis::cycle::{Cycle, Outline, Shooting};
 use crate::analysis::multipliers;
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
@@ -32,7 +32,8 @@ const SAME_CLOSENESSES: f64 = 10.0;
 /// - on recurrent orbits, nearly all points lie within 5 % of their extent of one of the other's.
 ///
 /// Points are the same within a multiple of [`super::RecurrenceSettings::closeness`] of the size
-/// that each component has on the orbit.
+/// that each component has on the orbit. On periodic orbits the error that the solver's tolerances
+/// leave in each is added.
 /// All escapes count as one attractor. So do all failures, all undecided orbits, all ends where the
 /// boundary repels, all ends at two-folds, and all starts on unstable periodic orbits.
 ///
@@ -54,7 +55,8 @@ const SAME_CLOSENESSES: f64 = 10.0;
 /// ```
 pub struct Attractors<'a> {
     system: DynamicsRef<'a>,
-    closeness: f64,
+    /// The distance within which the points of an orbit repeat.
+    near: SameWithin,
     forcing: Option<f64>,
     options: Options,
     attractors: Vec<Attractor>,
@@ -70,7 +72,11 @@ impl<'a> Attractors<'a> {
         Attractors {
             system: system.dynamics(),
             options: *options,
-            closeness: SAME_CLOSENESSES * settings.closeness,
+            near: SameWithin {
+                closeness: settings.closeness,
+                rtol: options.rtol,
+                atol: options.atol,
+            },
             forcing: settings.forcing,
             attractors: Vec::new(),
         }
@@ -231,12 +237,24 @@ impl<'a> Attractors<'a> {
         let size = Vector::from_fn(states, |i, _| {
             all.iter().map(|x| x[i].abs()).fold(0.0, f64::max)
         });
-        // A component that is always zero has no size of its own.
-        let least = 1e-3 * size.amax();
+        let allowed = Vector::from_fn(states, |i, _| {
+            // A component that tends to zero has no size, but the error of both orbits.
+            let errors = if is_orbit {
+                2.0 * self.near.rounding(i, size[i])
+            } else {
+                0.0
+            };
+            self.closeness() * size[i] + errors
+        });
         let same = move |a: &Moment, b: &Moment| {
-            (0..states).all(|i| (a.x[i] - b.x[i]).abs() <= self.closeness * size[i].max(least))
+            (0..states).all(|i| (a.x[i] - b.x[i]).abs() <= allowed[i])
         };
         shifts(&one.points, &other.points, same).next().is_some()
+    }
+
+    /// Part of a component's size within which points are the same.
+    fn closeness(&self) -> f64 {
+        SAME_CLOSENESSES * self.near.closeness
     }
 
     /// Whether two equilibria agree to within their errors: those of Newton's steps, or distances
@@ -246,8 +264,17 @@ impl<'a> Attractors<'a> {
             return false;
         };
         let bounds = distance_bounds(&*self.system, one.mode, [a, b]);
-        bounds.is_some_and(|bounds| (&a.x - &b.x).amax() <= SAME_CLOSENESSES * bounds.amax())
-            || resolves(&*self.system, one.mode, [a, b]) == Some(false)
+        let is_same = |i: usize, bound: f64| {
+            let size = a.x[i].abs().max(b.x[i].abs());
+            (a.x[i] - b.x[i]).abs() <= (SAME_CLOSENESSES * bound).max(self.closeness() * size)
+        };
+        let all_same = |bounds: Vector| {
+            bounds
+                .iter()
+                .enumerate()
+                .all(|(i, &bound)| is_same(i, bound))
+        };
+        bounds.is_some_and(all_same) || resolves(&*self.system, one.mode, [a, b]) == Some(false)
     }
 
     /// Whether all points between the two are equilibria.
@@ -264,7 +291,7 @@ impl<'a> Attractors<'a> {
             };
             let flow = self.system.flow(mode, &at);
             at.x = flow.settled(&at);
-            let is_at_rest = flow.velocity(&at).amax() <= self.closeness * at.x.amax();
+            let is_at_rest = flow.velocity(&at).amax() <= self.closeness() * at.x.amax();
             is_at_rest && self.holds(mode, &at)
         })
     }

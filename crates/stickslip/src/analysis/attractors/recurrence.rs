@@ -175,7 +175,12 @@ impl Recurrence {
             {
                 let pattern = self.pattern(last, lag, remainder);
                 let is_wide = || self.forcing.is_some() || self.is_wide(&pattern, remainder);
-                if !self.accumulates(last, lag, &pattern) && is_wide() {
+                // What is left of an approach counts by the sizes on the pattern itself.
+                let is_settled = (0..self.scale.len()).all(|i| {
+                    let off = remainder * (here.at.x[i] - there.at.x[i]).abs();
+                    off <= self.tolerance.allowed(i, pattern.extent.size(i))
+                });
+                if is_settled && !self.accumulates(last, lag, &pattern) && is_wide() {
                     let shortest = self.shortest(last, lag);
                     repeating = shortest.map(|lag| self.pattern(last, lag, remainder));
                 }

@@ -68,8 +68,8 @@ use measurement::Measurement;
 ///
 /// A measurement that ends early, by one of the errors below, yields what it has measured, with the
 /// error in [`Spectrum::ended`]. It may end before two blocks are complete, or where the motion
-/// shrinks to a point. Then the first half of most of the time until the end is the transient, and
-/// the second half is measured.
+/// shrinks to a point, or where a jump stops the orbit. Then the first half of most of the time
+/// until the end is the transient, and the second half is measured.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
@@ -90,7 +90,8 @@ use measurement::Measurement;
 ///
 /// # Errors
 /// [`Error::Option`]; those of [`crate::run`]. [`Error::NoUniqueFuture`] where the orbit ends on a
-/// repelling part of Σ or at a two-fold. [`Error::TangentSingular`] where it grazes Σ so exactly
+/// repelling part of Σ or at a two-fold. [`Error::Stopped`] where a jump or a terminal event stops
+/// it. [`Error::TangentSingular`] where it grazes Σ so exactly
 /// that tangent vectors have no image, or two contacts reach zero in the same instant.
 pub fn lyapunov_spectrum<Kind>(
     system: &impl AsDynamics<Kind>,
@@ -147,7 +148,12 @@ fn measured_alone(
     let run = |refines: bool| {
         let begin =
             |at: &Moment, t_end: f64, options: &Options| system.begin(at, t_end, options, &[]);
-        measured(system, start.clone(), (settings, count, refines), begin)
+        let whole = measured(system, start.clone(), (settings, count, refines), begin)?;
+        match whole.summary.ending {
+            // What stops the run leaves a time that is not known before, and blocks of that time.
+            Ending::Stopped => Err(whole.summary.no_future_error()),
+            _ => Ok(whole),
+        }
     };
     match run(false) {
         Err(shrunk @ Error::Shrunk { .. }) => match run(true) {
@@ -186,7 +192,8 @@ pub fn largest_exponent<Kind>(
 /// so far.
 ///
 /// # Errors
-/// As [`lyapunov_spectrum`], however much has been measured.
+/// As [`lyapunov_spectrum`], however much has been measured. [`Error::Stopped`] where the observer
+/// ends the run before its first step.
 pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
     system: &S,
     (t, x): (f64, impl Components),
@@ -226,13 +233,18 @@ fn measured<'a>(
     if settings.transient > 0.0 {
         let t_end = start.t + settings.transient;
         let mut orbit = system.begin(&start, t_end, &measurement.settings.solver, &[])?;
-        let Summary { t, x, .. } = follow(&mut orbit, t_end, &mut measurement)?;
+        let summary = follow(&mut orbit, t_end, &mut measurement)?;
+        if summary.ending == Ending::Stopped {
+            return Err(summary.no_future_error());
+        }
+        let Summary { t, x, .. } = summary;
         start = Moment { t, x };
     }
     measurement.begin_measuring(start.t);
     let t_end = start.t + settings.duration;
     let mut orbit = begin(&start, t_end, &measurement.settings.solver)?;
     match follow(&mut orbit, t_end, &mut measurement) {
+        Ok(summary) if summary.t <= start.t => Err(summary.no_future_error()),
         Ok(summary) => Ok(measurement.finish(summary, None)),
         Err(error @ (Error::Interrupted { .. } | Error::Shrunk { .. })) => Err(error),
         Err(error) => match measurement.reached(2.0 * block) {

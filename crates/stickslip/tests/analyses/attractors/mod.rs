@@ -612,3 +612,49 @@ fn a_start_on_an_unstable_orbit_reaches_no_attractor() {
     assert_eq!(known.all()[1].kind, AttractorKind::Unstable);
     assert!(!AttractorKind::Unstable.is_attractor());
 }
+
+/// A driven double well beside a state that decays. What is left of the decay when an orbit repeats
+/// differs from start to start.
+#[test]
+fn a_state_that_decays_beside_an_orbit_makes_no_attractors() {
+    for rate in [0.07, 0.1, 0.3, 0.5] {
+        let text = format!(
+            "name = \"decay\"\n[time]\nperiod = \"2*pi\"\n[states]\nx = \"\"\ny = \"\"\n\
+             [field]\nx = \"x - x^3 + 0.1*sin(t)\"\ny = \"-{rate}*y\"\n"
+        );
+        let system = system(&text);
+        let (settings, options) = (within(5000.0).forced(2.0 * PI), Options::tol(1e-10));
+        let mut known = Attractors::new(system.dynamics(), &settings, &options);
+        for start in [-1.0, 1.0].map(|x| [-1.0, -0.7, -0.2, 0.3, 0.6, 1.0].map(|y| [x, y])) {
+            for start in start {
+                let found = attractor(system.dynamics(), start, &settings, &options).unwrap();
+                known.number(found);
+            }
+        }
+        assert_eq!(known.all().len(), 2, "{rate}");
+    }
+}
+
+/// A pressure in Pa beside a lift in m, which comes to rest, or oscillates, at 0.1 mm on either
+/// side.
+#[test]
+fn attractors_differ_in_a_state_that_is_small_beside_another() {
+    for (time, drive) in [("", "0"), ("[time]\nperiod = \"2*pi\"\n", "1e4*sin(t)")] {
+        let text = format!(
+            "name = \"valve\"\n{time}[states]\np = \"Pa\"\ny = \"m\"\n[field]\n\
+             p = \"1e5 + {drive} - p\"\ny = \"y*(1 - (y/1e-4)^2) + 1e-10*(p - 1e5)\"\n"
+        );
+        let system = system(&text);
+        let settings = match time {
+            "" => within(500.0),
+            _ => within(500.0).forced(2.0 * PI),
+        };
+        let options = Options::default();
+        let mut known = Attractors::new(system.dynamics(), &settings, &options);
+        let numbers = [-2e-4, -5e-5, 5e-5, 2e-4].map(|y| {
+            let found = attractor(system.dynamics(), [1.1e5, y], &settings, &options).unwrap();
+            known.number(found)
+        });
+        assert_eq!(numbers, [0, 0, 1, 1], "{drive}");
+    }
+}
