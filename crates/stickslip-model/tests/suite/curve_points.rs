@@ -436,6 +436,79 @@ fn folds_of_impacts_end_on_the_curve_of_grazes() {
     }
 }
 
+/// An oscillator that a clock drives against a wall.
+const STRUCK: &str = r#"
+name = "struck"
+[time]
+period = "2*pi/w"
+[states]
+x = ""
+v = ""
+[parameters]
+w = 1.3
+A = 1.2
+c = 0.3
+[field]
+x = "v"
+v = "-x - c*v + A*cos(w*t)"
+[jumps.hit]
+when = "x - 1"
+direction = "rising"
+set = { v = "-0.7*v" }
+[start]
+x = 0
+v = 0
+"#;
+
+/// Without impacts the amplitude is `A / √((1 - w²)² + c² w²)`. At amplitude 1 the flow map has no
+/// derivative, and rounding decides whether the speed of the impact is zero or nearly so.
+#[test]
+fn a_curve_of_grazes_does_not_depend_on_the_rounding_of_the_speed() {
+    for c in ["0.2", "0.25", "0.3", "0.35", "0.4", "0.45", "0.5"] {
+        let text = STRUCK.replace("c = 0.3", &format!("c = {c}"));
+        let range = [("A", 0.3, 2.0), ("w", 0.8, 1.6)];
+        let found = curves(&system(&text), range[0], range[1], &options("dop853"));
+        let c: f64 = c.parse().unwrap();
+        let grazes = found
+            .iter()
+            .filter(|curve| curve.at.what.to_string() == "grazing of a jump");
+        let [curve] = grazes.collect::<Vec<_>>()[..] else {
+            panic!("c = {c}");
+        };
+        assert_eq!(curve.stops, [CurveStop::Range; 2], "c = {c}");
+        for point in &curve.points {
+            let [w, force] = point.parameters;
+            let exact = (math::powi(1.0 - w * w, 2) + c * c * w * w).sqrt();
+            assert!((force - exact).abs() < 1e-11, "{c} {w} {force} {exact}");
+        }
+    }
+}
+
+/// After a firing at the phase θ, `v = P(t) - P(θ) e^(-t)` with the forced motion P, and
+/// `v(T) = 1` gives `P(θ) = 1 / (1 - e^-T)`. Rate and acceleration vanish together at θ = π with
+/// `I - A = 1`.
+#[test]
+fn a_curve_of_grazes_ends_in_a_cubic_tangency() {
+    let found = curves(
+        &system(NEURON),
+        ("I", 0.5, 2.0),
+        ("A", 0.0, 2.0),
+        &options("taylor"),
+    );
+    let force = 17.0 / 16.0 / (math::exp(0.5 * PI) - 1.0);
+    let named = found.iter().flat_map(|curve| {
+        let there = all(curve, &CurveBifurcation::CubicTangency);
+        there.into_iter().map(move |at| (curve, at))
+    });
+    let [(curve, at)] = named.collect::<Vec<_>>()[..] else {
+        panic!("{found:?}");
+    };
+    is_at(at, [force, 1.0 + force], 1e-8);
+    let ends = [curve.points.first(), curve.points.last()].map(Option::unwrap);
+    let end = ends.iter().position(|one| one.parameters == at.parameters);
+    assert_eq!(curve.stops[end.unwrap()], CurveStop::AnotherChange);
+}
+
 /// The logistic map once a period: flips at 3, at `1 + √6`, and at 3.54409035955192.
 const LOGISTIC: &str = r#"
 name = "logistic"

@@ -441,7 +441,8 @@ fn with_parameter(mut x: Vector, parameter: f64) -> Vector {
     x
 }
 
-/// The test functions of an orbit's multipliers.
-fn critical(cycle: &Cycle, shooting: &Shooting<'_>) -> Critical {
-    Critical::of(&cycle.monodromy, shooting.family)
+/// The test functions of an orbit's multipliers, where the flow map has a derivative.
+fn critical(cycle: &Cycle, shooting: &Shooting<'_>) -> Option<Critical> {
+    let has_any = cycle.is_differentiable();
+    has_any.then(|| Critical::of(&cycle.monodromy, shooting.family))
 }

@@ -162,7 +162,8 @@ impl Continuation<'_> {
                 row
             };
             let line = TangentLine::tangent(&self.shooting, self.branch.units, &cycle, &row)?;
-            (is_near && self.shooting.is_valid(&cycle)).then_some((cycle, line))
+            let is_valid = cycle.is_differentiable() && self.shooting.is_valid(&cycle);
+            (is_near && is_valid).then_some((cycle, line))
         })
     }
 
@@ -215,6 +216,9 @@ impl Continuation<'_> {
         let line = TangentLine::tangent(&self.shooting, self.branch.units, &first, &row)?;
         let margin = first.margin_near(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
+        if !at.solution.is_differentiable() {
+            return None;
+        }
         let margin = at.solution.margin_like(margin)?.clone();
         let (sign, units) = (slope.signum(), self.branch.units);
         let row = line.across() * sign;

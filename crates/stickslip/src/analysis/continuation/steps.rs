@@ -255,7 +255,8 @@ impl<'a> Continuation<'a> {
             }
         }
         let (low, high) = self.settings.range;
-        let Some(mut next) = line.on(&self.shooting, step) else {
+        let next = line.on(&self.shooting, step);
+        let Some(mut next) = next.filter(Cycle::is_differentiable) else {
             return self.shorten(step, 0.3);
         };
         let is_outside = !self.is_in_range(&next);
@@ -265,7 +266,8 @@ impl<'a> Continuation<'a> {
             let part = (end - self.parameter()) / (there - self.parameter());
             let guess = line.guess(part * step);
             let row = guess.unit(self.place());
-            let Some(at_end) = self.shooting.solve(&guess, Some((&row, end))) else {
+            let at_end = self.shooting.solve(&guess, Some((&row, end)));
+            let Some(at_end) = at_end.filter(Cycle::is_differentiable) else {
                 return self.shorten(step, 0.3);
             };
             next = at_end;
@@ -454,7 +456,8 @@ impl<'a> Continuation<'a> {
             t,
             x,
             period: self.branch.last.period,
-            multipliers: critical(&self.branch.last, &self.shooting).multipliers,
+            multipliers: critical(&self.branch.last, &self.shooting)
+                .map_or_else(Vec::new, |of| of.multipliers),
             sequence: self.branch.last.outline.modes(),
         });
     }

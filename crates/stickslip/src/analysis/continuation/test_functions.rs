@@ -31,8 +31,8 @@ impl Continuation<'_> {
         let determinant = |cycle: &Cycle| cycle.jacobian.with_row(across).determinant();
         let size = determinant(&self.branch.last).exponent;
         let border = |cycle: &Cycle| Some(determinant(cycle).over_power(size));
-        let minus_one = |cycle: &Cycle| Some(of(cycle).minus_one);
-        let circle = |cycle: &Cycle| of(cycle).circle;
+        let minus_one = |cycle: &Cycle| Some(of(cycle)?.minus_one);
+        let circle = |cycle: &Cycle| of(cycle)?.circle;
         let functions: [&SolutionFunction<'_>; 4] = [&heading, &border, &minus_one, &circle];
         let mut zeros = Vec::new();
         // In a family there are several tangents everywhere, without a fold or a branch point. At a
@@ -93,7 +93,7 @@ impl Continuation<'_> {
                 1 => CycleBifurcation::BranchPoint,
                 2 => CycleBifurcation::Flip,
                 _ => CycleBifurcation::NeimarkSacker {
-                    angle: of(&zero.solution).angle,
+                    angle: of(&zero.solution).map_or(f64::NAN, |of| of.angle),
                 },
             };
             zeros.push((zero, what));

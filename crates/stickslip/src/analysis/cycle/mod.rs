@@ -82,7 +82,8 @@ pub(crate) struct Cycle {
     /// The derivative of the equations by the unknowns.
     pub jacobian: Jacobian,
     /// The derivative of the flow map of the states over the period from the cut, with saltation at
-    /// every event; in an autonomous system, transverse to the flow.
+    /// every event; in an autonomous system, transverse to the flow. It is not finite where an
+    /// event has no speed: the flow map has no derivative at a graze, while the equations do.
     pub monodromy: Matrix,
     /// The margins to each change of its phases.
     pub margins: Vec<Margin>,
@@ -104,6 +105,11 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    /// Whether the flow map has a derivative at the orbit.
+    pub fn is_differentiable(&self) -> bool {
+        self.monodromy.iter().all(|entry| entry.is_finite())
+    }
+
     /// Whether the cut segment has become much shorter than the longest one, or the end of a
     /// segment in flight has come near to an impact.
     pub fn is_badly_cut(&self) -> bool {
@@ -201,6 +207,16 @@ impl Cycle {
         let alike = self.margins.iter().filter(is_alike);
         let nearest = alike.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         (off(&nearest) <= SAME_TIME).then_some(nearest)
+    }
+
+    /// Second time derivative of the function whose zero ends the segment before that of a margin,
+    /// at the margin's moment.
+    pub fn acceleration_at(&self, system: &dyn Dynamics, margin: &Margin) -> Option<f64> {
+        let margin = self.margin_like(margin)?;
+        let before = self.outline.before(margin.part);
+        let flow = system.flow(before.mode, &before.inside);
+        let [_, _, second, _] = flow.guard_jet(before.end?.guard, &margin.at);
+        Some(second)
     }
 
     /// The margin nearest to zero, among those at the times of some segments of another orbit.

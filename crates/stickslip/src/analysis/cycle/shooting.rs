@@ -72,9 +72,13 @@ impl<'a> Shooting<'a> {
         !margins.any(|margin| margin.is_violated(self.options))
     }
 
-    /// [`Shooting::solve`]; in a family, the orbit nearest to the guess.
+    /// [`Shooting::solve`] where the flow map has a derivative; in a family, the orbit nearest to
+    /// the guess.
     pub fn nearest(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
-        let with_family = |family| Shooting { family, ..*self }.solve(guess, row);
+        let with_family = |family| {
+            let found = Shooting { family, ..*self }.solve(guess, row);
+            found.filter(Cycle::is_differentiable)
+        };
         match with_family(0) {
             Some(found) if found.family > 0 => with_family(found.family).or(Some(found)),
             Some(found) => Some(found),
@@ -242,10 +246,9 @@ impl<'a> Shooting<'a> {
         let within = SAME_VELOCITY.max(TOLERANCES * by_tolerance) * start.norm();
         let has_events = outline.segments.iter().any(|one| one.end.is_some());
         let is_same = self.forced.is_some() || has_events || (end - start).norm() <= within;
-        let is_finite = equations.monodromy.iter().all(|entry| entry.is_finite());
         // An orbit without extent is an equilibrium, unless it is that of a driven system.
         let is_point = self.forced.is_none() && extent <= by_tolerance;
-        if !is_near || !is_same || !is_finite || is_point {
+        if !is_near || !is_same || is_point {
             return None;
         }
         let closes_to = self.closes_to(&equations);

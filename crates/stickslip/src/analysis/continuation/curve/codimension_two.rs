@@ -38,6 +38,9 @@ pub enum CurveBifurcation {
     NeimarkSackerAtChange(SequenceBifurcation),
     /// Two changes of the phases at once, the curve's own first.
     TwoChanges([SequenceBifurcation; 2]),
+    /// A graze becomes an inflection: the rate and the second derivative of the boundary's function
+    /// along the orbit vanish at once. A curve of grazes ends.
+    CubicTangency,
     /// A bifurcation of the orbit of half the period, which both halves have become.
     OfHalf(Box<CurveBifurcation>),
 }
@@ -58,6 +61,7 @@ impl fmt::Display for CurveBifurcation {
                 write!(f, "Neimark-Sacker at {change}")
             }
             CurveBifurcation::TwoChanges([one, other]) => write!(f, "{one} at {other}"),
+            CurveBifurcation::CubicTangency => f.write_str("cubic tangency"),
             CurveBifurcation::OfHalf(of) => write!(f, "{of} of the orbit of half the period"),
         }
     }

@@ -24,8 +24,8 @@ impl TestFunction {
     fn value(&self, cycle: &Cycle, shooting: &Shooting<'_>) -> Option<f64> {
         match self {
             TestFunction::Margin(margin) => Some(cycle.margin_like(margin)?.value),
-            TestFunction::Multipliers(function) => function(&critical(cycle, shooting)),
-            TestFunction::Pair(sum) => Some(Pair::near(&critical(cycle, shooting), *sum)?.beyond),
+            TestFunction::Multipliers(function) => function(&critical(cycle, shooting)?),
+            TestFunction::Pair(sum) => Some(Pair::near(&critical(cycle, shooting)?, *sum)?.beyond),
         }
     }
 
@@ -37,7 +37,7 @@ impl TestFunction {
                 TestFunction::Margin(near.map_or(margin, Box::new))
             }
             TestFunction::Pair(sum) => {
-                let near = Pair::near(&critical(cycle, shooting), sum);
+                let near = critical(cycle, shooting).and_then(|of| Pair::near(&of, sum));
                 TestFunction::Pair(near.map_or(sum, |pair| pair.sum))
             }
             of_multipliers => of_multipliers,
@@ -77,14 +77,14 @@ impl CurveCondition {
         Some(CurveCondition::Zero(function, junction.line.clone()))
     }
 
-    /// Whether the orbits arrive at a boundary, or at the function of a jump, without speed. Their
-    /// derivatives are unbounded.
-    pub(super) fn is_arrival(&self) -> bool {
+    /// The margin, where the orbits arrive at a boundary, or at the function of a jump, without
+    /// speed. Their derivatives are unbounded.
+    pub(super) fn arrival(&self) -> Option<&Margin> {
         match self {
             CurveCondition::Zero(TestFunction::Margin(margin), _) => {
-                margin.kind == MarginKind::Arrival
+                (margin.kind == MarginKind::Arrival).then_some(margin)
             }
-            _ => false,
+            _ => None,
         }
     }
 

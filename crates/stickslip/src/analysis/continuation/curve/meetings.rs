@@ -36,6 +36,32 @@ impl CurveContinuation<'_> {
         })
     }
 
+    /// The end of a curve of grazes where the graze becomes an inflection. Beyond, the orbits have
+    /// reached the boundary before.
+    pub(super) fn cubic_tangency(
+        &self,
+        at: &CurvePosition,
+        next: &CurvePosition,
+        orbits: usize,
+    ) -> Option<CurveEnd> {
+        let function = |cycle: &Cycle, condition: &CurveCondition| {
+            cycle.acceleration_at(self.shooting.system, condition.arrival()?)
+        };
+        let [before, behind] = [at, next].map(|one| function(&one.cycle, &one.condition));
+        let ends = [(0.0, before?), (at.line.place(&next.cycle), behind?)];
+        if ends[0].1 * ends[1].1 >= 0.0 {
+            return None;
+        }
+        let located = self.located(at, ends, [&function, &certain])?;
+        let what = CurveBifurcation::CubicTangency;
+        Some(CurveEnd {
+            s: located.s,
+            stop: CurveStop::AnotherChange,
+            last: point(&located.cycle),
+            special: Some(self.described(&located, what, orbits)),
+        })
+    }
+
     /// The end of the curve at the first change of the phases before the next orbit. `Err` where
     /// the step is too long to locate it.
     pub(super) fn change(

@@ -62,23 +62,23 @@ impl CurveContinuation<'_> {
         cycle: &Cycle,
         condition: &CurveCondition,
     ) -> Option<f64> {
-        if condition.is_arrival() {
+        if condition.arrival().is_some() {
             return None;
         }
         let of = || critical(cycle, &self.shooting);
         match (test, self.kind) {
-            (CodimensionTwoTest::Fold, CurveKind::Fold) => Some(others(&of().multipliers, 1.0)),
-            (CodimensionTwoTest::Flip, CurveKind::Flip) => Some(others(&of().multipliers, -1.0)),
+            (CodimensionTwoTest::Fold, CurveKind::Fold) => Some(others(&of()?.multipliers, 1.0)),
+            (CodimensionTwoTest::Flip, CurveKind::Flip) => Some(others(&of()?.multipliers, -1.0)),
             // The product of the other multipliers, less 1 each, does not see the pair.
             (CodimensionTwoTest::Fold, CurveKind::Torus) => {
-                Some(of().one / (2.0 - condition.sum_of_pair()?))
+                Some(of()?.one / (2.0 - condition.sum_of_pair()?))
             }
             (CodimensionTwoTest::Flip, CurveKind::Torus) => {
-                Some(of().minus_one / (2.0 + condition.sum_of_pair()?))
+                Some(of()?.minus_one / (2.0 + condition.sum_of_pair()?))
             }
-            (CodimensionTwoTest::Fold, _) => Some(of().one),
-            (CodimensionTwoTest::Flip, _) => Some(of().minus_one),
-            (CodimensionTwoTest::Torus, _) => of().circle,
+            (CodimensionTwoTest::Fold, _) => Some(of()?.one),
+            (CodimensionTwoTest::Flip, _) => Some(of()?.minus_one),
+            (CodimensionTwoTest::Torus, _) => of()?.circle,
             (CodimensionTwoTest::Sum(sum), _) => Some(condition.sum_of_pair()? - sum),
             (CodimensionTwoTest::Coefficient, _) => {
                 Some(self.normal_form(cycle, condition)?.coefficient)

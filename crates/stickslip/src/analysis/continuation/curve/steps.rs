@@ -157,7 +157,9 @@ impl CurveContinuation<'_> {
                 ..=3 => None,
                 _ => self.closes(&at, &next, first),
             };
-            let mut ends: Vec<CurveEnd> = [half, resonance, closed].into_iter().flatten().collect();
+            let tangency = self.cubic_tangency(&at, &next, orbits);
+            let ends = [half, resonance, closed, tangency];
+            let mut ends: Vec<CurveEnd> = ends.into_iter().flatten().collect();
             let is_short = step <= self.settings.step * DECISIVE_STEP;
             let change = self.change(&at, &next, orbits);
             let range = self.is_outside(&next.cycle);
