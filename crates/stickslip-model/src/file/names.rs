@@ -57,6 +57,9 @@ impl Meaning {
 /// Functions that are not among [`FUNCTIONS`].
 pub(super) const FURTHER_FUNCTIONS: [&str; 4] = ["min", "max", "friction", "by_side"];
 
+/// Words that join conditions.
+const CONDITION_WORDS: [&str; 3] = ["and", "or", "not"];
+
 /// The names of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names {
@@ -104,6 +107,10 @@ impl Names {
                 Problem::new(format!("`{name}` is a function already"), place)
                     .help("choose another name"),
             );
+        }
+        if CONDITION_WORDS.contains(&&*name) {
+            let message = format!("`{name}` is a word of conditions already");
+            return Err(Problem::new(message, place).help("choose another name"));
         }
         match self.known.get(&name) {
             None => {

@@ -86,7 +86,7 @@ fn each_bad_file_is_reported_what_is_wrong_where_and_what_to_do() {
         cases(include_str!("bad_files.txt")),
         cases(include_str!("bad_jumps.txt")),
     );
-    assert_eq!((files.len(), jumps.len()), (72, 72));
+    assert_eq!((files.len(), jumps.len()), (75, 72));
     let all = files.iter().map(|case| (GOOD, case));
     let mut wrong = Vec::new();
     for (good, case) in all.chain(jumps.iter().map(|case| (JUMPS, case))) {
@@ -163,6 +163,18 @@ fn what_needs_several_contacts_or_sides_is_reported() {
     let message = "the friction of contact `belt` follows a reaction";
     assert!(problem.message.contains(message), "{shown}");
     assert!(shown.contains("leave `normal_force` out"), "{shown}");
+}
+
+/// In a restitution, `approach` is the speed of approach, so no other name of the file.
+#[test]
+fn a_parameter_called_approach_is_refused_in_a_restitution() {
+    let own = "name = \"drop\"\nstates = { h = \"\", w = \"\" }\nparameters = { approach = 0.5 }\n\
+               field = { h = \"w\", w = \"-1\" }\nstart = { h = 0.02, w = 0 }\n[stops.floor]\n\
+               gap = \"h\"\nacts = { w = 1 }\nrestitution = \"approach\"\n";
+    let (problem, shown) = problem_of(own);
+    let message = "`approach` is a parameter and the speed of approach";
+    assert!(problem.message.contains(message), "{shown}");
+    assert!(shown.contains("choose another name"), "{shown}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use numerics::SplitMix;
 use stickslip::analysis::{
     AttractorKind, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stability, Stop,
     basin,
@@ -581,6 +582,119 @@ fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
         let is_stable = at.stability() == Stability::Stable;
         assert_eq!(is_stable, x * x > 1.0 / 3.0, "{at:?}");
     }
+}
+
+/// At `a = 0` the equilibrium of the sliding field reaches a two-fold, where it is 0/0. Below it
+/// sliding repels, and beyond `a = -1` the boundary is crossed.
+#[test]
+fn a_branch_of_sliding_equilibria_ends_at_a_two_fold() {
+    let text = r#"
+name = "two-fold"
+[states]
+x = ""
+y = ""
+z = ""
+[parameters]
+a = 0.513
+[contacts.c]
+boundary = "x"
+[field]
+x = { below = "y", above = "-z - z^2" }
+y = { below = "1 + a - y", above = "-1 + a - y" }
+z = "a - z"
+[start]
+x = 0
+y = 0.5
+z = 0.5
+"#;
+    let (system, branch) = equilibria(text, ("a", -1.9, 1.0));
+    let [at] = branch.special.as_slice() else {
+        panic!("{:?}", branch.special);
+    };
+    assert!(matches!(
+        at.what,
+        EquilibriumBifurcation::Boundary { after: None, .. }
+    ));
+    assert!(at.parameter.abs() <= at.uncertainty, "{at:?}");
+    assert!(at.uncertainty < 1e-5, "{at:?}");
+    assert_eq!(boundary_of(at, &system).1, ["S", ""]);
+    assert!(branch.points.iter().all(|point| point.parameter > 0.0));
+}
+
+/// An equilibrium of cubic fields on both sides of `x = 0` lies where its mode holds: on its side,
+/// or where both fields point to the boundary.
+#[test]
+fn equilibria_of_random_fields_lie_where_their_modes_hold() {
+    const STATES: [&str; 3] = ["x", "y", "z"];
+    const LAST: f64 = 1e-9;
+    let mut random = SplitMix::new(4);
+    let (mut followed, mut sliding, mut ended) = (0, 0, 0);
+    for number in 0..40 {
+        let monomials = |[x, y, z]: [f64; 3], a: f64| {
+            let squares = [x * x, x * y, x * z, y * y, y * z, z * z];
+            let cubes = [x * x * x, y * y * y, z * z * z];
+            let linear = [1.0, x, y, z, a];
+            [&linear[..], &squares, &cubes].concat()
+        };
+        let names = "1 x y z a x*x x*y x*z y*y y*z z*z x^3 y^3 z^3";
+        let names: Vec<&str> = names.split(' ').collect();
+        let sides = [0.5, -0.5].map(|towards| {
+            [0, 1, 2].map(|row| {
+                let mut all: Vec<f64> = names.iter().map(|_| random.between(-1.0, 1.0)).collect();
+                all[11..].fill(0.0);
+                all[11 + row] = -1.0;
+                all[1 + row] -= 0.5;
+                all[0] += if row == 0 { towards } else { 0.0 };
+                all
+            })
+        });
+        let text = |row: &Vec<f64>| {
+            let terms = row.iter().zip(&names);
+            let terms: Vec<String> = terms.map(|(c, name)| format!("({c}) * {name}")).collect();
+            terms.join(" + ")
+        };
+        let mut file = "name = \"cubic\"\nstates = { x = \"\", y = \"\", z = \"\" }\n\
+                        parameters = { a = 0 }\nstart = { x = 0.1, y = 0.1, z = 0.1 }\n\
+                        [contacts.c]\nboundary = \"x\"\n[field]\n"
+            .to_owned();
+        for (k, state) in STATES.iter().enumerate() {
+            let [below, above] = [0, 1].map(|side| text(&sides[side][k]));
+            file += &format!("{state} = {{ below = \"{below}\", above = \"{above}\" }}\n");
+        }
+        let (system, options) = (system(&file), options("taylor"));
+        // Some of them come to no equilibrium.
+        let Ok(x) = equilibrium(&system, &system.start().unwrap(), None, &options) else {
+            continue;
+        };
+        let along = Along::new(&system, "a", (-2.0, 2.0)).unwrap();
+        let settings = ContinuationSettings::over(-2.0, 2.0);
+        let Ok(branch) = along.equilibria(&x, &settings, &options) else {
+            continue;
+        };
+        followed += 1;
+        let is_end = |stop: &Stop| matches!(stop, Stop::BoundaryEquilibrium { .. });
+        ended += branch.stops.iter().filter(|stop| is_end(stop)).count();
+        for at in &branch.points {
+            let terms = monomials([at.x[0], at.x[1], at.x[2]], at.parameter);
+            let across = [0, 1].map(|side: usize| {
+                let row = sides[side][0].iter().zip(&terms);
+                row.map(|(c, term)| c * term).sum::<f64>()
+            });
+            let holds = match &*system.sequence(&[at.mode]) {
+                "-" => at.x[0] <= LAST,
+                "+" => at.x[0] >= -LAST,
+                _ => {
+                    sliding += 1;
+                    across[0] >= -LAST && across[1] <= LAST
+                }
+            };
+            assert!(holds, "{number}: {at:?}, {across:?}");
+        }
+    }
+    assert!(
+        followed > 10 && sliding > 100 && ended > 3,
+        "{followed} {sliding} {ended}"
+    );
 }
 
 /// C7: friction of a treadmill, `fc + (fs - fc) exp(-w) + fv w` with a negative fc.

@@ -187,6 +187,44 @@ fn the_force_of_a_contact_is_fitted_in_slip_and_in_stick() {
     }
 }
 
+/// Static friction above kinetic friction: the force jumps where a stick ends at its limit.
+#[test]
+fn a_value_of_a_force_at_the_end_of_a_stick_has_no_standard_errors() {
+    let file = parsed(&BELT.replace(
+        "friction = \"mu/(1 + fall*belt*(v - speed))\"",
+        "friction = \"mu/(1 + fall*belt*(v - speed))\"\nstatic = \"1.5*mu\"",
+    ));
+    let formulas = ["x", "belt.force"];
+    let fine = times(20_000, 0.001);
+    let forces = exact(&file, &formulas, &fine).swap_remove(1);
+    let jumps = |k: &usize| (forces[k + 1] - forces[*k]).abs() > 0.05;
+    let jumps: Vec<usize> = (0..forces.len() - 1).filter(jumps).collect();
+    let end = *jumps.iter().find(|&&k| forces[k].abs() > 0.7).unwrap();
+    let fit_of = |beside: Option<f64>| {
+        let mut times = times(30, 0.31);
+        times.retain(|t| jumps.iter().all(|&k| (t - fine[k]).abs() > 0.1));
+        times.extend(beside);
+        times.sort_by(f64::total_cmp);
+        let columns = noisy(&exact(&file, &formulas, &times), 0.004, 7);
+        let unknowns = vec![unknown("mu", Some(0.49)), unknown("x", Some(0.21))];
+        let observables = formulas.map(|one| observable(one, Some(0.004)));
+        let mut request = request(file.clone(), unknowns, observables.to_vec());
+        request.records.push(record(&times, columns));
+        fit(&request).unwrap()
+    };
+    let at_end = fit_of(Some(fine[end]));
+    let why = at_end.uncertainty.none.clone().unwrap_or_default();
+    assert!(why.contains("the value of belt.force at"), "{why}");
+    assert!(at_end.values.iter().all(|one| one.std_error.is_none()));
+    let without = fit_of(None);
+    for (name, truth) in [("mu", 0.5), ("x", 0.2)] {
+        let one = without.values.iter().find(|one| one.name == name).unwrap();
+        let error = one.std_error;
+        let error = error.unwrap_or_else(|| panic!("{:?}", without.uncertainty.none));
+        assert!((one.value - truth).abs() < 4.0 * error, "{one:?}");
+    }
+}
+
 #[test]
 fn shipped_systems_give_back_their_parameters() {
     for (name, unknowns) in [
@@ -893,6 +931,15 @@ fn covariances_where_a_fit_begins_are_those_of_differences_of_runs() {
     for (names, second) in cases {
         let mut at_start = two_records(names);
         at_start.observables[1] = observable(second, Some(2e-5));
+        // With the data of the model itself, no value is fitted better beyond an event.
+        for column in fit(&at_start).unwrap().columns {
+            let record = &mut at_start.records[column.record];
+            let data = record.columns[column.observable]
+                .iter_mut()
+                .zip(column.model);
+            data.filter(|(data, _)| !data.is_nan())
+                .for_each(|(data, model)| *data = model);
+        }
         let begun = fit(&at_start).unwrap();
         // Residuals over deviations, for each record.
         let residuals = |found: &Fit, number: usize| {

@@ -223,7 +223,15 @@ impl<'a> Builder<'a> {
 
     fn name(&mut self, name: &str, place: Range<usize>) -> BuildResult {
         if let Some(speed) = self.approach.filter(|_| name == "approach") {
-            return Ok(speed);
+            return match self.file.names.get(name) {
+                None => Ok(speed),
+                Some(known) => {
+                    let known = known.description();
+                    let message = format!("`approach` is {known} and the speed of approach");
+                    let help = "choose another name for the first";
+                    Err(Problem::new(message, place).help(help))
+                }
+            };
         }
         let Some(meaning) = self.file.names.get(name) else {
             return Err(self.unknown(name, place));

@@ -13,7 +13,7 @@ use super::statistics::spread;
 use super::unknowns::Unknowns;
 use super::{FitError, FitRequest, Modelled, Record};
 use crate::expression::normal;
-use crate::file::System;
+use crate::file::{Observed, System};
 
 /// Modes of the phases of each record.
 pub(super) type Sequence = Vec<Vec<Modes>>;
@@ -219,9 +219,10 @@ impl<'r> FitProblem<'r> {
         })
     }
 
-    /// Whether the system has jumps, so that an observable may have them.
+    /// Whether an observable may jump: at jumps of the state, and as a friction force at events.
     pub(super) fn may_jump(&self) -> bool {
-        !self.base.file.jumps.is_empty()
+        let has_force = |record: &RecordRun| record.observed.iter().any(Observed::has_force);
+        !self.base.file.jumps.is_empty() || self.records.iter().any(has_force)
     }
 
     /// Everything at a point.

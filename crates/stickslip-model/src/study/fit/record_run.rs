@@ -24,7 +24,7 @@ pub(super) struct RecordRun {
     pub(super) system: System,
     options: Options,
     dynamics: DynamicsRef<'static>,
-    observed: Vec<Observed>,
+    pub(super) observed: Vec<Observed>,
     pub(super) times: Vec<f64>,
     pub(super) columns: Vec<Vec<f64>>,
     /// Starts as far as they are fixed.

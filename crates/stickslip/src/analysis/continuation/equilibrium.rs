@@ -12,7 +12,10 @@ use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
     ZERO, along_boundaries, equations, holds, jacobian_of, terms, without_constant,
 };
-use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction, unit, with_last_digits};
+use crate::analysis::critical::RESOLVED_PLACE;
+use crate::analysis::cycle::{
+    AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, unit, with_last_digits,
+};
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Vector};
@@ -297,6 +300,38 @@ impl Path for EquilibriaOnLine<'_> {
     }
 }
 
+impl EquilibriaOnLine<'_> {
+    /// The last equilibrium at which a guard is positive, where none can be computed on its zero.
+    /// At a two-fold both fields are tangent to the boundary, and the sliding field is 0/0.
+    fn edge(
+        &self,
+        [(begin, at_begin), (end, _)]: [(f64, f64); 2],
+        guard: &SolutionFunction<'_, BranchEquilibrium>,
+    ) -> Option<LocatedZero<BranchEquilibrium>> {
+        let (mut low, mut high, mut last) = (begin, end, None);
+        while high - low > RESOLVED_PLACE * (end - begin) {
+            let middle = 0.5 * (low + high);
+            let found = self.on(middle);
+            let found = found.and_then(|one| Some((guard(&one)?, one)));
+            match found.filter(|(value, _)| *value > 0.0) {
+                Some(found) => (low, last) = (middle, Some(found)),
+                None => high = middle,
+            }
+        }
+        let (value, solution) = last?;
+        // Twice as far from the zero, the slope is that at the zero.
+        let back = value / (at_begin - value) * (low - begin);
+        let before = self.on(low - back)?;
+        let per_value = (solution.parameter() - before.parameter()) / (guard(&before)? - value);
+        (value <= AT_ZERO * at_begin).then(|| LocatedZero {
+            s: low,
+            parameter: solution.parameter(),
+            uncertainty: SAFETY * (value * per_value).abs(),
+            solution,
+        })
+    }
+}
+
 impl EquilibriumContinuation<'_> {
     /// The equilibria on a line.
     pub fn on<'l>(&'l self, line: &'l EquilibriumTangent) -> EquilibriaOnLine<'l> {
@@ -426,13 +461,13 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// The special equilibria between two on a line, in order; beyond a boundary this mode has
-    /// none.
+    /// none. `None` where the mode does not hold at the second one and its boundary was not found.
     fn between(
         &self,
         line: &EquilibriumTangent,
         (last, next): (&BranchEquilibrium, &BranchEquilibrium),
         length: f64,
-    ) -> Vec<(LocatedZero<BranchEquilibrium>, EquilibriumBifurcation)> {
+    ) -> Option<Vec<(LocatedZero<BranchEquilibrium>, EquilibriumBifurcation)>> {
         let path = self.on(line);
         let width = self.units[self.units.len() - 1];
         let heading =
@@ -452,14 +487,6 @@ impl EquilibriumContinuation<'_> {
             .into_iter()
             .flatten()
             .any(|one| one.abs() > ROUNDING);
-        let flow = &*self.system.flow(line.mode, &last.at);
-        let guards = flow.guards().into_iter().filter(|guard| guard.is_condition);
-        let guards: Vec<_> = guards
-            .map(|guard| {
-                let value = move |one: &BranchEquilibrium| Some(flow.guard(guard.number, &one.at));
-                (boundary(guard.contact), value)
-            })
-            .collect();
         type Named<'f> = (
             EquilibriumBifurcation,
             &'f SolutionFunction<'f, BranchEquilibrium>,
@@ -470,28 +497,37 @@ impl EquilibriumContinuation<'_> {
             functions.push((EquilibriumBifurcation::Fold, &heading, ROUNDING));
             functions.push((EquilibriumBifurcation::BranchPoint, &branch, 0.0));
         }
-        let of_guards = guards.iter();
-        functions.extend(of_guards.map(|(what, value)| (what.clone(), value as _, 0.0)));
         let mut zeros: Vec<_> = functions
             .into_iter()
             .filter_map(|(what, function, noise)| {
                 let (a, b) = (function(last)?, function(next)?);
-                let is_guard = matches!(what, EquilibriumBifurcation::Boundary { .. });
-                // A guard that is zero at the beginning of the line belongs to the boundary there.
                 let changes = a * b < 0.0 && a.abs().max(b.abs()) > noise;
-                if !changes || is_guard && a < 0.0 {
-                    return None;
-                }
-                Some((path.zero([(0.0, a), (length, b)], function)?, what))
+                let ends = changes.then_some([(0.0, a), (length, b)])?;
+                Some((path.zero(ends, function)?, what))
             })
             .collect();
+        let flow = self.system.flow(line.mode, &last.at);
+        let guards = flow.guards().into_iter().filter(|guard| guard.is_condition);
+        for guard in guards {
+            let value = |one: &BranchEquilibrium| Some(flow.guard(guard.number, &one.at));
+            let (a, b) = (value(last)?, value(next)?);
+            if b > 0.0 {
+                continue;
+            }
+            // A guard that is zero at the beginning of the line belongs to the boundary there.
+            let ends = (a > 0.0).then_some([(0.0, a), (length, b)])?;
+            let zero = path
+                .zero(ends, &value)
+                .or_else(|| path.edge(ends, &value))?;
+            zeros.push((zero, boundary(guard.contact)));
+        }
         zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
         let is_end =
             |what: &EquilibriumBifurcation| matches!(what, EquilibriumBifurcation::Boundary { .. });
         if let Some(end) = zeros.iter().position(|(_, what)| is_end(what)) {
             zeros.truncate(end + 1);
         }
-        zeros
+        Some(zeros)
     }
 
     /// The equilibrium of another mode of a contact that continues one on its boundary, and the
@@ -567,7 +603,12 @@ impl EquilibriumContinuation<'_> {
                 step *= 0.3;
                 continue;
             };
-            match self.record_between(branch, &line, (&last, &next)) {
+            let length = line.row.dot(&(&next.at.x - &line.from));
+            let Some(zeros) = self.between(&line, (&last, &next), length) else {
+                step *= 0.3;
+                continue;
+            };
+            match self.record(branch, &line, zeros, length) {
                 Some(Err(stop)) => return stop,
                 Some(Ok(behind)) => (last, line) = behind,
                 None if is_at_end => {
@@ -604,18 +645,18 @@ impl EquilibriumContinuation<'_> {
         Some((next, true))
     }
 
-    /// Records the special equilibria between two on a line. At a boundary, returns the equilibrium
+    /// Records special equilibria on a line of a length. At a boundary, returns the equilibrium
     /// with which the branch goes on and its tangent, or the end of the branch.
-    fn record_between(
+    fn record(
         &self,
         branch: &mut EquilibriumBranch,
         line: &EquilibriumTangent,
-        (last, next): (&BranchEquilibrium, &BranchEquilibrium),
+        zeros: Vec<(LocatedZero<BranchEquilibrium>, EquilibriumBifurcation)>,
+        length: f64,
     ) -> Option<Result<(BranchEquilibrium, EquilibriumTangent), Stop>> {
         let (low, high) = self.settings.range;
-        let length = line.row.dot(&(&next.at.x - &line.from));
         let mut behind = None;
-        for (zero, mut what) in self.between(line, (last, next), length) {
+        for (zero, mut what) in zeros {
             match &mut what {
                 EquilibriumBifurcation::Hopf { frequency } => {
                     *frequency = zero.solution.pair().map_or(f64::NAN, |pair| pair.im);

@@ -25,7 +25,7 @@ pub(super) use margin::{Margin, MarginKind};
 pub(super) use outline::Outline;
 pub(super) use outline::SegmentEnd;
 use outline::{Cut, Segment, SegmentKind, segment_to_cut};
-pub(super) use path::{LocatedZero, Path, SAFETY, SolutionFunction, with_last_digits};
+pub(super) use path::{AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, with_last_digits};
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
 pub use step_budget::StepBudget;

@@ -51,9 +51,6 @@ pub(crate) trait Path {
     ) -> Option<(f64, Self::Solution)> {
         let s = zero_between(a, b, |s| function(&self.on(s)?))?;
         let solution = self.on(s)?;
-        // Value at a zero, as a fraction of those at the ends. Chosen: at a jump of the function,
-        // as in a family, it is about 1; at a zero it is rounding.
-        const AT_ZERO: f64 = 1e-3;
         let is_zero = function(&solution)?.abs() <= AT_ZERO * a.1.abs().max(b.1.abs());
         is_zero.then_some((s, solution))
     }
@@ -99,6 +96,10 @@ pub(crate) trait Path {
         Some(along + SAFETY * (self.parameter(&finer) - parameter).abs())
     }
 }
+
+/// Value at a zero of a function, as a fraction of those at the ends of a path. Chosen: at a jump
+/// of the function, as in a family, it is about 1; at a zero it is rounding.
+pub(crate) const AT_ZERO: f64 = 1e-3;
 
 /// Ratio of an error of integration to the change that half the steps cause. At order 4 and more,
 /// that change is the error to a tenth or so, and twice the change bounds it.
