@@ -372,8 +372,8 @@ fn a_branch_goes_through_two_changes_at_once_to_the_end_of_what_the_file_allows(
     assert!(first >= 0.0 && last == 3.0);
 }
 
-/// The belt's speed is a multiple of the parameter: the change lies where the speed is the same, and
-/// the branch reaches both ends of its range with any multiple.
+/// The belt's speed is a multiple of the parameter: the change lies where the speed is the same.
+/// The branch reaches both ends of its range with any multiple.
 #[test]
 fn a_branch_does_not_depend_on_the_unit_of_a_parameter_in_a_boundary() {
     let block = |multiple: f64| {

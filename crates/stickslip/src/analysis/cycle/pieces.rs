@@ -216,8 +216,8 @@ impl Shooting<'_> {
     }
 
     /// The derivative, by state and time, of the state in which a segment begins: on the stops that
-    /// carry, as after their landings. Sticking contacts are projected onto their boundaries by a change
-    /// of the states alone, as in the flow: what is held beside them does not move.
+    /// carry, as after their landings. Sticking contacts are projected onto their boundaries by a
+    /// change of the states alone, as in the flow: what is held beside them does not move.
     pub(super) fn projected(&self, segment: &Segment, at: &Moment) -> (Matrix, Vector) {
         let n = at.x.len();
         let modes = segment.mode.iter().enumerate();
