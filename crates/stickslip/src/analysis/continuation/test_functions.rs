@@ -92,8 +92,9 @@ impl Continuation<'_> {
                 0 => CycleBifurcation::Fold,
                 1 => CycleBifurcation::BranchPoint,
                 2 => CycleBifurcation::Flip,
-                _ => CycleBifurcation::NeimarkSacker {
-                    angle: of(&zero.solution).map_or(f64::NAN, |of| of.angle),
+                _ => match of(&zero.solution) {
+                    Some(of) => CycleBifurcation::NeimarkSacker { angle: of.angle },
+                    None => continue,
                 },
             };
             zeros.push((zero, what));
