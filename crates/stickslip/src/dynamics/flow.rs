@@ -91,6 +91,10 @@ where
     S: Switched<N, G>,
     J: Jumps<N>,
 {
+    fn moving(&self) -> usize {
+        self.view.system.dimension().min(self.view.states)
+    }
+
     fn velocity(&self, at: &Moment) -> Vector {
         self.velocity_at(&self.view.timed(at))
     }

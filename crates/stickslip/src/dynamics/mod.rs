@@ -438,6 +438,9 @@ pub struct Carrying {
 
 /// The smooth flow of one mode, and the guards that end it.
 pub trait SmoothFlow {
+    /// Number of components that move, the first ones. Corrections move no others.
+    fn moving(&self) -> usize;
+
     /// The velocity at a moment.
     fn velocity(&self, at: &Moment) -> Vector;
 

@@ -280,7 +280,7 @@ impl Shooting<'_> {
             assembly.rows.push((off, row, size));
         }
         let segment = &outline.segments[cut.number];
-        let projected = self.projected(segment, &anchor).0;
+        let projected = self.projected(segment, &anchor, self.states).0;
         let monodromy = self.monodromy(&mut assembly.maps, cut.number, (projected, at_cut));
         let size = assembly.at.x.amax().max(outline.begin.x.amax());
         let steps: usize = assembly.pieces.iter().map(|piece| piece.steps.len()).sum();

@@ -216,9 +216,14 @@ impl Shooting<'_> {
     }
 
     /// The derivative, by state and time, of the state in which a segment begins: on the stops that
-    /// carry, as after their landings. Sticking contacts are projected onto their boundaries by a
-    /// change of the states alone, as in the flow: what is held beside them does not move.
-    pub(super) fn projected(&self, segment: &Segment, at: &Moment) -> (Matrix, Vector) {
+    /// carry, as after their landings. A change of the first `free` components projects sticking
+    /// contacts onto their boundaries.
+    pub(super) fn projected(
+        &self,
+        segment: &Segment,
+        at: &Moment,
+        free: usize,
+    ) -> (Matrix, Vector) {
         let n = at.x.len();
         let modes = segment.mode.iter().enumerate();
         let sticks = modes.filter(|(_, mode)| *mode == Mode::Stick);
@@ -240,7 +245,7 @@ impl Shooting<'_> {
         let normals = Matrix::from_fn(n, gradients.len(), |i, k| gradients[k].0[i]);
         let in_time = Vector::from_fn(gradients.len(), |k, _| gradients[k].1);
         let mut back = normals.clone();
-        back.rows_mut(self.states, n - self.states).fill(0.0);
+        back.rows_mut(free, n - free).fill(0.0);
         let Some(inverse) = normals.tr_mul(&back).try_inverse() else {
             return (landed, landed_in_time);
         };
@@ -299,7 +304,7 @@ impl Shooting<'_> {
     ) -> Matrix {
         let flow = self.system.flow(segment.mode, &segment.inside);
         let [first, last] = [&piece.begin, &piece.end].map(|at| flow.velocity(at));
-        let (projected, by_time) = self.projected(segment, &piece.begin);
+        let (projected, by_time) = self.projected(segment, &piece.begin, flow.moving());
         let begun = product(&projected, of_state) + (by_time - first) * of_time.transpose();
         product(map, &begun) + last * of_time.transpose()
     }
