@@ -775,6 +775,96 @@ fn a_body_lifts_off_however_light_it_is() {
     }
 }
 
+/// A driven block with friction in front of a wall.
+const DRIVEN: &str = r#"name = "Block in front of a wall"
+[states]
+x = ""
+v = ""
+[parameters]
+F = 0.9
+mu = 0.05
+[stops.wall]
+gap = "0.4 - x"
+acts = { v = -1 }
+restitution = 0.6
+[contacts.sole]
+boundary = "v"
+friction = "mu"
+[field]
+x = "v"
+v = "-x - 0.1*v + F*cos(1.3*t) - friction(sole)"
+[start]
+x = 0.1
+v = 0
+[time]
+end = 20
+period = "2*pi/1.3"
+"#;
+
+/// The block on a floor that carries it, with the friction of that reaction.
+fn on_a_floor() -> String {
+    DRIVEN
+        .replace("[parameters]", "y = \"\"\nu = \"\"\n[parameters]")
+        .replace(
+            "[contacts.sole]",
+            "[stops.floor]\ngap = \"y\"\nacts = { u = 1 }\nrestitution = 0.3\n[contacts.sole]",
+        )
+        .replace("\"mu\"", "\"mu*floor.force\"")
+        .replace(
+            "[start]",
+            "y = \"u\"\nu = -1\n[start]\ny = 0\nu = 0\nfloor.closed = 1",
+        )
+}
+
+#[test]
+fn a_floor_that_carries_changes_no_derivative_at_the_impacts_of_a_wall() {
+    let texts = [DRIVEN.to_owned(), on_a_floor()];
+    for method in METHODS {
+        let names = ["F", "mu", "x", "v"];
+        let [free, carried] = texts.each_ref().map(|text| {
+            let found = found(&system(text), &names, &[19.0], method);
+            assert!(found.lost.is_none(), "{:?}", found.lost);
+            found.states[0].rows(0, 2).into_owned()
+        });
+        let impacts = Run::of(system(DRIVEN), &options(method), Some(19.0));
+        let impacts = impacts
+            .transitions
+            .iter()
+            .filter(|at| at.2.starts_with("wall"));
+        assert!(impacts.count() >= 3, "{method}");
+        let off = (&free - &carried).amax();
+        assert!(off < 1e-8 * free.amax(), "{method}: {free} {carried}");
+        // Against differences of runs.
+        let end = |h: f64| {
+            let run = Run::of(
+                with(&texts[1], &[("F", 0.9 + h)]),
+                &options(method),
+                Some(19.0),
+            );
+            [run.end("x"), run.end("v")]
+        };
+        let (above, below) = (end(1e-5), end(-1e-5));
+        for (row, name) in ["x", "v"].into_iter().enumerate() {
+            let by_runs = (above[row] - below[row]) / 2e-5;
+            let off = (carried[(row, 0)] - by_runs).abs();
+            assert!(off < 1e-5 * free.amax(), "{method}, {name}: {by_runs}");
+        }
+        let [free, carried] = texts.each_ref().map(|text| {
+            let found = orbit(&system(text), &options(method));
+            let mut found = multipliers(&found.monodromy);
+            found.sort_by(|a, b| (b.norm(), b.im).partial_cmp(&(a.norm(), a.im)).unwrap());
+            found
+        });
+        for (free, carried) in free.iter().zip(&carried) {
+            assert!((free - carried).norm() < 1e-8, "{method}: {free} {carried}");
+        }
+        assert!(
+            carried[2..].iter().all(|one| one.norm() < 1e-8),
+            "{carried:?}"
+        );
+    }
+}
+
 /// Two wells; a wall in front of one of them holds a body.
 const WELLS: &str = r#"name = "Wells"
 [states]

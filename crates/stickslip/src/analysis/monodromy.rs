@@ -172,7 +172,8 @@ impl TangentMap {
     /// vanishes.
     /// One on a stop that carries has landed there.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
-        for landing in system.landings(at) {
+        for number in system.landings(at) {
+            let landing = system.reset(number, at);
             for column in &mut self.columns {
                 *column = &landing.by_state * &*column;
             }

@@ -143,7 +143,11 @@ impl<'a> Tangent<'a> {
     /// gives it a speed `w` off there. It then lands after a flight of the duration `2 w/a`, with
     /// `a` the acceleration towards the stop.
     fn landed(&self, at: &Transition, after: &Moment, mut matrix: Matrix) -> Matrix {
-        for landing in self.system.landings(after) {
+        // On a stop that carries before and after, no vector has a speed off it.
+        let carried = self.system.landings(&at.moment());
+        let landings = self.system.landings(after).into_iter();
+        for number in landings.filter(|number| !carried.contains(number)) {
+            let landing = self.system.reset(number, after);
             let speeds = matrix.tr_mul(&landing.gradient);
             let sizes = matrix.abs().tr_mul(&landing.gradient.abs());
             let is_motion = |(speed, size): (&f64, &f64)| speed.abs() > SAME * size;

@@ -296,8 +296,8 @@ pub trait Dynamics: Send + Sync {
     /// that carry, and their rates. What each is off, with its gradient.
     fn kept(&self, at: &Moment) -> Vec<(f64, Vector)>;
 
-    /// The effects of the jumps that put a state on the stops that carry there.
-    fn landings(&self, at: &Moment) -> Vec<Reset>;
+    /// The numbers of the jumps that put a state on the stops that carry there.
+    fn landings(&self, at: &Moment) -> Vec<usize>;
 
     /// The guard whose zero a transition is, where the field jumps there.
     fn discontinuity_guard(&self, at: &Transition) -> Option<usize>;

@@ -210,12 +210,10 @@ where
         kept.collect()
     }
 
-    fn landings(&self, at: &Moment) -> Vec<Reset> {
+    fn landings(&self, at: &Moment) -> Vec<usize> {
         let of = self.view();
         let landings = of.landings(of.timed(at));
-        landings
-            .map(|jump| self.reset(self.contacts + jump, at))
-            .collect()
+        landings.map(|jump| self.contacts + jump).collect()
     }
 
     fn discontinuity_guard(&self, at: &Transition) -> Option<usize> {
