@@ -229,7 +229,8 @@ class Branch(Result):
         points. `begins` of each is the index of that orbit in `special`. With a `depth` above 1
         they have `branches` of their own.
     curves : list of Curve
-        With `also`: its special orbits in two parameters, except branch points.
+        With `also`: its special orbits in two parameters, except branch points, and its homoclinic
+        and two-fold ends.
     begins : int or None
         Index of the special orbit of another branch at which it begins.
     bubble : int or None
@@ -427,7 +428,7 @@ class Curve(Result):
         where the multipliers of a torus become real, ``"another change"`` at the same orbit,
         ``"no convergence"``.
     begins : int
-        Index of the special orbit of the branch at which it begins.
+        Index of the special orbit or end of the branch at which it begins, in its `special`.
     names : (str, str)
         The parameter of the branch and the second one.
     system : System
@@ -959,7 +960,7 @@ def continuation(
             system=system,
         )
         for one in curves
-        for begins in [first + one.pop("begins")]
+        for begins in [one.pop("begins")]
     ]
     return make_result(found, Branch, begins=None, bubble=None, **whole_branch)
 

@@ -177,7 +177,8 @@
 //!   parameters with [`CurvePoint`](analysis::CurvePoint),
 //!   [`CurveSpecialPoint`](analysis::CurveSpecialPoint)
 //!   ([`CurveBifurcation`](analysis::CurveBifurcation)) and
-//!   [`CurveStop`](analysis::CurveStop).
+//!   [`CurveStop`](analysis::CurveStop). [`continue_end`](analysis::continue_end) returns the
+//!   curve of a homoclinic or two-fold end.
 //!   [`continue_special_equilibrium`](analysis::continue_special_equilibrium) returns an
 //!   [`EquilibriumCurve`](analysis::EquilibriumCurve) with
 //!   [`EquilibriumCurvePoint`](analysis::EquilibriumCurvePoint) and

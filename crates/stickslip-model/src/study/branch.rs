@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use stickslip::analysis::{
     Branch, BranchPoint, ContinuationSettings, Curve, CycleBifurcation, PeriodicOrbit,
     SpecialPoint, Stop, SwitchedBranch, branch_multiplier_uncertainties, continue_change,
-    continue_equilibrium, switch_branches_to,
+    continue_end, continue_equilibrium, switch_branches_to,
 };
 use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -62,6 +62,18 @@ pub struct SideBranch {
     pub to: Option<usize>,
     /// The branch.
     pub branch: WholeBranch,
+}
+
+/// What is followed in two parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// A special orbit, by its index.
+    Special(usize),
+    /// An end of the branch.
+    End {
+        /// Whether it is the upper one.
+        upwards: bool,
+    },
 }
 
 impl<'a> Along<'a> {
@@ -125,24 +137,30 @@ impl<'a> Along<'a> {
         Ok(EquilibriaOfBranch::joined([down?, up?]))
     }
 
-    /// The curve of a special orbit of a branch in two parameters. The system `both` has the second
+    /// The curve of a special orbit or end of a branch in two parameters. The system `both` has the second
     /// parameter, of some range, as the state before the own one, and `x` is the start of
     /// [`Along::start`] with its value. `None` if no curve continues from it.
     ///
     /// # Errors
-    /// Those of [`continue_change`].
+    /// Those of [`continue_change`] and [`continue_end`].
     pub fn curve(
         &self,
         (both, range): (&DynamicsRef<'_>, (f64, f64)),
         (period, x): (f64, &Vector),
-        (branch, number): (&WholeBranch, usize),
+        (branch, which): (&WholeBranch, Followed),
         settings: &ContinuationSettings,
         options: &Options,
     ) -> Result<Option<Curve>, Error> {
-        let special: Vec<&SpecialPoint> = branch.special.iter().collect();
-        let (upwards, counted) = branch.counted(&special, number);
-        let way = (period, upwards, counted);
-        match continue_change(both, x, way, (settings, range), options) {
+        let how = (settings, range);
+        let curve = match which {
+            Followed::Special(number) => {
+                let special: Vec<&SpecialPoint> = branch.special.iter().collect();
+                let (upwards, counted) = branch.counted(&special, number);
+                continue_change(both, x, (period, upwards, counted), how, options)
+            }
+            Followed::End { upwards } => continue_end(both, x, (period, upwards), how, options),
+        };
+        match curve {
             Ok(curve) => Ok(Some(curve)),
             Err(Error::NotFound { .. }) => Ok(None),
             Err(error) => Err(error),
@@ -382,6 +400,36 @@ impl WholeBranch {
                 CycleBifurcation::Flip | CycleBifurcation::BranchPoint
             )
         })
+    }
+
+    /// What is followed in two parameters, in the order of [`WholeBranch::special_rows`]: the
+    /// special orbits, except branch points, and the ends that have curves.
+    pub fn followed(&self) -> Vec<(Followed, SpecialPoint)> {
+        let end = |upwards: bool, stop: &Stop, at: Option<&BranchOrbit>| {
+            let at = &at?.orbit;
+            let special = SpecialPoint {
+                behind: if upwards { self.points.len() } else { 0 },
+                ..stop.as_special(&at.x, at.period)?
+            };
+            Some((Followed::End { upwards }, special))
+        };
+        let [down, up] = &self.stops;
+        let special = self.special.iter().cloned().enumerate();
+        let special = special.filter(|(_, at)| at.what != CycleBifurcation::BranchPoint);
+        let special = special.map(|(k, at)| (Followed::Special(k), at));
+        let first = end(false, down, self.points.first());
+        let last = end(true, up, self.points.last());
+        first.into_iter().chain(special).chain(last).collect()
+    }
+
+    /// The row of [`WholeBranch::special_rows`] of what is followed.
+    pub fn row_of(&self, which: Followed) -> usize {
+        let first = usize::from(self.ends()[0].bifurcation.is_some());
+        match which {
+            Followed::Special(number) => first + number,
+            Followed::End { upwards: false } => 0,
+            Followed::End { upwards: true } => first + self.special.len(),
+        }
     }
 
     /// A special orbit among some of those of the branch: whether it lies upwards of the first

@@ -24,7 +24,7 @@ mod warnings;
 use stickslip::analysis::RecurrenceSettings;
 
 pub use at_start::{jumps_at_start, left_out_at_start};
-pub use branch::{Along, BranchOrbit, SideBranch, WholeBranch};
+pub use branch::{Along, BranchOrbit, Followed, SideBranch, WholeBranch};
 pub use branch_rows::{BranchEnd, SpecialRow, criticality_of, word_of_curve_stop};
 pub use derivatives::{
     DerivativeError, NoVariable, START_TIME, Variables, VariedSystem, VariedTangents,

@@ -8,12 +8,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch, ContinuationSettings, Curve, CycleBifurcation, PartialBranch, PeriodicOrbit,
+    Branch, ContinuationSettings, Curve, PartialBranch, PeriodicOrbit, SpecialPoint,
 };
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Along, SideBranch, WholeBranch, word_of_curve_stop};
+use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch, word_of_curve_stop};
 
 use super::Start;
 use super::orbits::{Search, approached};
@@ -151,7 +151,7 @@ pub(crate) fn continuation<'py>(
     fields.ended(raised)
 }
 
-/// A branch, and what begins at its special orbits: curves with the index of that orbit.
+/// A branch, and what begins at its special orbits: curves with the row of that orbit.
 struct Begun {
     branch: WholeBranch,
     others: Vec<SideBranch>,
@@ -182,7 +182,8 @@ fn others(
     along.side_branches(branch, switched.into_iter().flatten().collect(), options)
 }
 
-/// The curves of the special orbits in two parameters, except branch points.
+/// The curves of the special orbits in two parameters, except branch points, and of homoclinic and
+/// two-fold ends, with their rows in the table of special orbits.
 fn curves(
     along: &Along<'_>,
     branch: &WholeBranch,
@@ -194,15 +195,13 @@ fn curves(
     let value = second.system.values[number];
     let both = second.system.with_states_of(&[number, along.number])?;
     let (settings, x) = along.start(orbit, settings, options, Some(value))?;
-    let special = branch.special.iter().enumerate();
-    let special = special.filter(|(_, at)| at.what != CycleBifurcation::BranchPoint);
-    let special: Vec<usize> = special.map(|(k, _)| k).collect();
-    let curve = |k: usize| {
+    let curve = |(which, _): (Followed, SpecialPoint)| {
         let both = (&both, second.range);
-        let curve = along.curve(both, (orbit.period, &x), (branch, k), &settings, options)?;
-        Ok((k, curve))
+        let from = (orbit.period, &x);
+        let curve = along.curve(both, from, (branch, which), &settings, options)?;
+        Ok((branch.row_of(which), curve))
     };
-    special.into_par_iter().map(curve).collect()
+    branch.followed().into_par_iter().map(curve).collect()
 }
 
 /// A curve for Python.

@@ -43,8 +43,8 @@ pub use continuation::{
     CurveSpecialPoint, CurveStop, CycleBifurcation, EquilibriumBifurcation, EquilibriumBranch,
     EquilibriumCurve, EquilibriumCurveBifurcation, EquilibriumCurvePoint, EquilibriumCurveSpecial,
     EquilibriumPoint, PartialBranch, SpecialEquilibrium, SpecialPoint, Stop, SwitchedBranch,
-    continue_change, continue_equilibrium, continue_periodic_orbit, continue_special_equilibrium,
-    switch_branches, switch_branches_to,
+    continue_change, continue_end, continue_equilibrium, continue_periodic_orbit,
+    continue_special_equilibrium, switch_branches, switch_branches_to,
 };
 pub use cycle::{SequenceBifurcation, SequenceChange, StepBudget};
 pub use derivatives::{

@@ -7,12 +7,11 @@ use rayon::prelude::*;
 use serde_json::json;
 use stickslip::Options;
 use stickslip::analysis::{
-    Branch, ContinuationSettings, Curve, CycleBifurcation, PartialBranch, PeriodicOrbit,
-    SpecialPoint,
+    Branch, ContinuationSettings, Curve, PartialBranch, PeriodicOrbit, SpecialPoint,
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip_model::file::System;
-use stickslip_model::study::{Along, SideBranch, WholeBranch};
+use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch};
 
 use super::super::range::ParameterRange;
 use super::Arguments;
@@ -22,7 +21,7 @@ use crate::sweep::Writer;
 use output::terminal::Status;
 
 /// The first blocks behind those of both directions. For each special orbit there are two: its
-/// curve in two parameters, and the branches that begin there.
+/// curve in two parameters, and the branches that begin there. Those of the ends follow.
 const CURVES: usize = super::DIRECTIONS.get();
 const BRANCHES: usize = CURVES + 1;
 
@@ -132,8 +131,8 @@ impl<'a> BranchStart<'a> {
         Ok(SecondParameter { range, value, both })
     }
 
-    /// Follows each special orbit on the branch in two parameters, except branch points. `None` if
-    /// no curve continues from it.
+    /// Follows each special orbit on the branch in two parameters, except branch points, and its
+    /// homoclinic and two-fold ends. `None` if no curve continues from it.
     pub(super) fn curves(
         &self,
         also: &SecondParameter,
@@ -146,21 +145,22 @@ impl<'a> BranchStart<'a> {
             .along
             .start(orbit, settings, options, Some(also.value))?;
         let by = json!(also.range).to_string();
-        let curve = |(k, at): (usize, &SpecialPoint)| {
+        let curve = |(which, at): (Followed, SpecialPoint)| {
             let range = (also.range.low, also.range.high);
             let (both, from) = ((&also.both, range), (orbit.period, &x));
-            let curve = saved_or_computed(writer, (CURVES + 2 * k, &by), || {
+            // The ends count behind the special orbits.
+            let number = match which {
+                Followed::Special(number) => number,
+                Followed::End { upwards } => branch.special.len() + usize::from(upwards),
+            };
+            let curve = saved_or_computed(writer, (CURVES + 2 * number, &by), || {
                 let along = &self.along;
-                let curve = along.curve(both, from, (branch, k), &settings, options);
+                let curve = along.curve(both, from, (branch, which), &settings, options);
                 Ok(curve?)
             })?;
-            Ok((at.clone(), curve))
+            Ok((at, curve))
         };
-        let followed = branch.special.iter().enumerate();
-        let followed: Vec<_> = followed
-            .filter(|(_, at)| at.what != CycleBifurcation::BranchPoint)
-            .collect();
-        followed.into_par_iter().map(curve).collect()
+        branch.followed().into_par_iter().map(curve).collect()
     }
 
     /// The branches that begin at flips and branch points of a branch, and at their flips to a

@@ -134,7 +134,7 @@ fn add_special(panel: &mut Panel, branches: &[&WholeBranch], value: ValueOfOrbit
     for name in SPECIAL {
         let there = branches.iter().flat_map(|branch| {
             let special = branch.special.iter();
-            special.map(move |at| (mark(&at.what), branch, at))
+            special.filter_map(move |at| Some((mark(&at.what)?, branch, at)))
         });
         let there: Vec<_> = there.filter(|(mark, ..)| mark.0 == name).collect();
         if let Some(&((_, color, shape), ..)) = there.first() {
@@ -159,15 +159,16 @@ fn add_ends(panel: &mut Panel, ends: &[(&Stop, (f64, f64))]) {
     }
 }
 
-/// Label and marker of a special orbit, as in the legend.
-fn mark(kind: &CycleBifurcation) -> (&'static str, Color, Shape) {
-    match kind {
+/// Label and marker of a special orbit, as in the legend. Ends have marks of their own.
+fn mark(kind: &CycleBifurcation) -> Option<(&'static str, Color, Shape)> {
+    Some(match kind {
         CycleBifurcation::Fold => (SPECIAL[0], BLACK, Shape::Circle),
         CycleBifurcation::BranchPoint => (SPECIAL[1], PURPLE, Shape::Up),
         CycleBifurcation::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
         CycleBifurcation::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
         CycleBifurcation::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
-    }
+        CycleBifurcation::Homoclinic { .. } | CycleBifurcation::TwoFold => return None,
+    })
 }
 
 /// Labels and markers of ends of a branch, in the order of the legend.

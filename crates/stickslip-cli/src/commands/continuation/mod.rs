@@ -37,8 +37,8 @@ use output::terminal::with_spinner;
 /// The period of a drive may depend on the parameter.
 ///
 /// --also follows each of these special orbits, except branch points, in two parameters, and names
-/// special points on the curves: cusps, resonances, and where two conditions meet. --branches
-/// adds a column `branch` to the tables: 0 is the branch through the orbit, and the others are in
+/// special points on the curves: cusps, resonances, and where two conditions meet. Ends of the
+/// branch at homoclinic orbits and two-folds are followed, too. --branches adds a column `branch` to the tables: 0 is the branch through the orbit, and the others are in
 /// the order of their beginnings. The column `branches` of special.csv has the numbers of the
 /// branches that begin at an orbit. A branch of one orbit could not be followed from there. With
 /// --depth 2 the flips of these branches are followed, too, and so on. A bubble, a branch that ends
@@ -61,8 +61,8 @@ pub(super) struct Arguments {
     parameter: String,
 
     /// A second parameter and its range: each fold, flip, Neimark-Sacker bifurcation and change of
-    /// the phases on the branch is followed in both, or with --equilibrium each fold, Hopf
-    /// bifurcation and boundary equilibrium
+    /// the phases on the branch is followed in both, and its end if that is a homoclinic orbit or a
+    /// two-fold; or with --equilibrium each fold, Hopf bifurcation and boundary equilibrium
     #[arg(long, value_name = "NAME=LOW:HIGH")]
     also: Option<String>,
 

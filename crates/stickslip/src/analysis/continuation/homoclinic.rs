@@ -112,7 +112,7 @@ impl Continuation<'_> {
     /// The equilibrium of a mode near a state, if the mode holds there and orbits approach it.
     fn equilibrium_near(&self, mode: Modes, at: &Moment) -> Option<PassedEquilibrium> {
         let system = self.shooting.system;
-        let free = at.x.len() - 1;
+        let free = self.shooting.states;
         let found = equilibrium_near(system, mode, at.t, &at.x, free)?;
         let jacobian = found.jacobian.view((0, 0), (free, free)).into_owned();
         let there = Moment {

@@ -27,6 +27,7 @@ use crate::error::{Error, require};
 use crate::filippov::Options;
 pub use curve::{
     Curve, CurveBifurcation, CurvePoint, CurveSpecialPoint, CurveStop, continue_change,
+    continue_end,
 };
 pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
@@ -138,6 +139,13 @@ pub enum CycleBifurcation {
     },
     /// The phases change.
     Sequence(Box<SequenceChange>),
+    /// An end of the branch: [`Stop::Homoclinic`]. It begins a curve in two parameters.
+    Homoclinic {
+        /// Number of saddles.
+        saddles: NonZeroUsize,
+    },
+    /// An end of the branch: [`Stop::TwoFold`]. It begins a curve in two parameters.
+    TwoFold,
 }
 
 impl fmt::Display for CycleBifurcation {
@@ -148,6 +156,11 @@ impl fmt::Display for CycleBifurcation {
             CycleBifurcation::Flip => f.write_str("flip"),
             CycleBifurcation::NeimarkSacker { .. } => f.write_str("Neimark-Sacker"),
             CycleBifurcation::Sequence(change) => change.bifurcation.fmt(f),
+            CycleBifurcation::Homoclinic { saddles } => f.write_str(match saddles.get() {
+                1 => "homoclinic",
+                _ => "heteroclinic",
+            }),
+            CycleBifurcation::TwoFold => f.write_str("two-fold"),
         }
     }
 }

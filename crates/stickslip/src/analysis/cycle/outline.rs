@@ -296,6 +296,14 @@ impl Outline {
         Vector::from_vec(all)
     }
 
+    /// The vector whose product with the unknowns is the sum of the durations.
+    pub fn by_duration(&self) -> Vector {
+        let (n, count) = (self.begin.x.len(), self.segments.len());
+        let mut row = Vector::zeros(self.unknowns().len());
+        row.rows_mut(n, count).fill(1.0);
+        row
+    }
+
     /// The sequence with other unknowns.
     pub fn with(&self, unknowns: &Vector) -> Self {
         let n = self.begin.x.len();

@@ -3,6 +3,7 @@
 mod boundary_equilibria;
 mod branches;
 mod curves;
+mod curves_of_ends;
 mod equilibria;
 mod equilibrium_curves;
 mod on_the_boundary;

@@ -36,6 +36,8 @@ pub enum CurveBifurcation {
     FlipAtChange(SequenceBifurcation),
     /// A pair of multipliers is on the unit circle at a change of the phases.
     NeimarkSackerAtChange(SequenceBifurcation),
+    /// The phases change at the end of a branch.
+    EndAtChange(SequenceBifurcation),
     /// Two changes of the phases at once, the curve's own first.
     TwoChanges([SequenceBifurcation; 2]),
     /// A graze becomes an inflection: the rate and the second derivative of the boundary's function
@@ -60,6 +62,7 @@ impl fmt::Display for CurveBifurcation {
             CurveBifurcation::NeimarkSackerAtChange(change) => {
                 write!(f, "Neimark-Sacker at {change}")
             }
+            CurveBifurcation::EndAtChange(change) => write!(f, "end of a branch at {change}"),
             CurveBifurcation::TwoChanges([one, other]) => write!(f, "{one} at {other}"),
             CurveBifurcation::CubicTangency => f.write_str("cubic tangency"),
             CurveBifurcation::OfHalf(of) => write!(f, "{of} of the orbit of half the period"),
@@ -103,13 +106,14 @@ pub(super) enum CodimensionTwoTest {
 }
 
 impl CurveKind {
-    pub(super) fn of(what: &CycleBifurcation) -> Self {
-        match what {
+    pub(super) fn of(what: &CycleBifurcation) -> Option<Self> {
+        Some(match what {
             CycleBifurcation::Fold | CycleBifurcation::BranchPoint => CurveKind::Fold,
             CycleBifurcation::Flip => CurveKind::Flip,
             CycleBifurcation::NeimarkSacker { .. } => CurveKind::Torus,
             CycleBifurcation::Sequence(change) => CurveKind::Change(change.bifurcation),
-        }
+            CycleBifurcation::Homoclinic { .. } | CycleBifurcation::TwoFold => return None,
+        })
     }
 
     /// The functions that are evaluated along the curve.
@@ -165,12 +169,13 @@ impl CurveKind {
     }
 
     /// The name of an orbit of the curve at which the phases change.
-    pub(super) fn at_change(self, change: SequenceBifurcation) -> CurveBifurcation {
-        match self {
-            CurveKind::Fold => CurveBifurcation::FoldAtChange(change),
-            CurveKind::Flip => CurveBifurcation::FlipAtChange(change),
-            CurveKind::Torus => CurveBifurcation::NeimarkSackerAtChange(change),
-            CurveKind::Change(own) => CurveBifurcation::TwoChanges([own, change]),
+    pub(super) fn at_change(of: Option<Self>, change: SequenceBifurcation) -> CurveBifurcation {
+        match of {
+            Some(CurveKind::Fold) => CurveBifurcation::FoldAtChange(change),
+            Some(CurveKind::Flip) => CurveBifurcation::FlipAtChange(change),
+            Some(CurveKind::Torus) => CurveBifurcation::NeimarkSackerAtChange(change),
+            Some(CurveKind::Change(own)) => CurveBifurcation::TwoChanges([own, change]),
+            None => CurveBifurcation::EndAtChange(change),
         }
     }
 

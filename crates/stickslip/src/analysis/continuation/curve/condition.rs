@@ -3,7 +3,7 @@
 use super::super::steps::Junction;
 use super::super::tangent_line::TangentLine;
 use super::super::{CycleBifurcation, critical};
-use super::CurveContinuation;
+use super::{CurveContinuation, EndPeriod};
 use crate::analysis::critical::{Critical, Pair};
 use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting, StepBudget};
 use crate::dynamics::Vector;
@@ -50,6 +50,8 @@ impl TestFunction {
 pub(super) enum CurveCondition {
     /// A segment has no duration: two contacts switch at once.
     NoDuration(usize),
+    /// The period has this value, near an end of a branch.
+    Period(f64, EndPeriod),
     /// A function vanishes. It was located on this line across the curve.
     Zero(TestFunction, TangentLine),
 }
@@ -72,7 +74,7 @@ impl CurveCondition {
             (CycleBifurcation::NeimarkSacker { angle }, _) => {
                 TestFunction::Pair(2.0 * crate::math::cos(*angle))
             }
-            (CycleBifurcation::BranchPoint | CycleBifurcation::Sequence(_), _) => return None,
+            _ => return None,
         };
         Some(CurveCondition::Zero(function, junction.line.clone()))
     }
@@ -113,16 +115,19 @@ impl CurveContinuation<'_> {
         const MOST_ORBITS: u64 = 2000;
         let cost = 1 + StepBudget::with_tangents(guess.begin.x.len());
         let budget = StepBudget::of(MOST_ORBITS * cost * steps as u64);
+        let held = |row: &Vector, value: f64| {
+            let shooting = Shooting {
+                plane: Some((row, value)),
+                budget: Some(&budget),
+                ..self.shooting
+            };
+            Some((shooting.solve(guess, Some(plane))?, condition.clone()))
+        };
         match condition {
             CurveCondition::NoDuration(number) => {
-                let duration = guess.unit(guess.begin.x.len() + number);
-                let shooting = Shooting {
-                    plane: Some((&duration, 0.0)),
-                    budget: Some(&budget),
-                    ..self.shooting
-                };
-                Some((shooting.solve(guess, Some(plane))?, condition.clone()))
+                held(&guess.unit(guess.begin.x.len() + number), 0.0)
             }
+            CurveCondition::Period(period, _) => held(&guess.by_duration(), *period),
             CurveCondition::Zero(function, line) => {
                 let shooting = Shooting {
                     plane: Some(plane),

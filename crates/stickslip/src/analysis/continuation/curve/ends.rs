@@ -3,7 +3,7 @@
 
 use super::super::ends::{SAME_ORBIT, offset_from};
 use super::steps::{CurveEnd, CurvePosition};
-use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters, point};
+use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters};
 use crate::analysis::cycle::{Cycle, SAFETY, closeness, with_last_digits};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::Vector;
@@ -64,7 +64,7 @@ impl CurveContinuation<'_> {
         {
             return None;
         }
-        let mut last = point(&last);
+        let mut last = self.point(&last, &at.condition)?;
         last.x[place] = end;
         last.parameters[place - self.place] = end;
         Some(CurveEnd {
@@ -141,10 +141,11 @@ impl CurveContinuation<'_> {
         let is_at = is_at.fold(true, |all, (a, b)| all && (a - b).abs() <= near);
         let off = offset_from(&self.shooting, &first.anchor, &found)?;
         let is_same = off.rows(0, self.shooting.states).norm() <= near * first.extent;
-        (is_at && is_same).then(|| CurveEnd {
+        let last = self.point(first, &at.condition)?;
+        (is_at && is_same).then_some(CurveEnd {
             s,
             stop: CurveStop::Closed,
-            last: point(first),
+            last,
             special: None,
         })
     }
@@ -167,6 +168,7 @@ impl CurveContinuation<'_> {
         // Largest difference of the halves that the extrapolation leaves, as a fraction of that at
         // the ends. Chosen: where they only turn, it is about 1.
         const LARGEST_LEFT: f64 = 0.2;
+        let kind = self.kind?;
         let [before, behind] = [at.cycle.halves()?, next.cycle.halves()?];
         if before.len() != behind.len() {
             return None;
@@ -234,7 +236,7 @@ impl CurveContinuation<'_> {
             special: Some(CurveSpecialPoint {
                 parameters,
                 uncertainties,
-                what: self.kind.of_half(),
+                what: kind.of_half(),
                 behind: orbits,
                 t: last.t,
                 x: last.x.clone(),

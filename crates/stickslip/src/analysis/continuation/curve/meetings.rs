@@ -4,7 +4,9 @@ use super::codimension_two::CurveBifurcation;
 use super::condition::CurveCondition;
 use super::special::{LocatedOrbit, certain};
 use super::steps::{CurveEnd, CurvePosition};
-use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters, point};
+use super::{
+    CurveContinuation, CurveKind, CurvePoint, CurveSpecialPoint, CurveStop, parameters, point,
+};
 use crate::analysis::cycle::{Cycle, Margin, MarginKind, describe, with_last_digits};
 use crate::analysis::lagrange::weights;
 use crate::math;
@@ -95,12 +97,17 @@ impl CurveContinuation<'_> {
                     (0.0, 0.0),
                     [Vec::new(), Vec::new()],
                 );
-                let what = self.kind.at_change(named.bifurcation);
+                let what = CurveKind::at_change(self.kind, named.bifurcation);
+                let last = self.point(&located.cycle, &at.condition).ok_or(())?;
+                let special = CurveSpecialPoint {
+                    parameters: last.parameters,
+                    ..self.described(&located, what, orbits)
+                };
                 first = Some(CurveEnd {
                     s: located.s,
                     stop: CurveStop::AnotherChange,
-                    last: point(&located.cycle),
-                    special: Some(self.described(&located, what, orbits)),
+                    last,
+                    special: Some(special),
                 });
             }
         }
@@ -162,7 +169,7 @@ impl CurveContinuation<'_> {
         let special = CurveSpecialPoint {
             parameters,
             uncertainties,
-            what: self.kind.at_change(named.bifurcation),
+            what: CurveKind::at_change(self.kind, named.bifurcation),
             behind: orbits,
             t: at.cycle.anchor.t,
             x: at.cycle.anchor.x.clone(),
@@ -207,7 +214,7 @@ impl CurveContinuation<'_> {
             (0.0, 0.0),
             [Vec::new(), Vec::new()],
         );
-        let what = self.kind.at_change(named.bifurcation);
+        let what = CurveKind::at_change(self.kind, named.bifurcation);
         let last = point(&cycle);
         let uncertainties = self.uncertainties([&cycle, &finer], |_| 0.0);
         let located = LocatedOrbit {

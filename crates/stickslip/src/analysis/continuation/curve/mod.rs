@@ -1,5 +1,6 @@
 //! Curves of special orbits in two parameters.
 
+mod branch_end;
 mod codimension_two;
 mod condition;
 mod ends;
@@ -11,9 +12,11 @@ use super::steps::{Continuation, Junction};
 use super::tangent_line::Units;
 use super::{ContinuationSettings, SpecialPoint, check_start};
 use crate::analysis::cycle::{Cycle, SequenceBifurcation, Shooting, unit};
-use crate::dynamics::{AsDynamics, Components, Vector};
+use crate::dynamics::{AsDynamics, Components, Dynamics, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
+use branch_end::EndPeriod;
+pub use branch_end::continue_end;
 pub(super) use codimension_two::others;
 pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
 use condition::CurveCondition;
@@ -95,10 +98,37 @@ pub fn continue_change<Kind>(
     (settings, other): (&ContinuationSettings, (f64, f64)),
     options: &Options,
 ) -> Result<Curve, Error> {
+    let system = &*system.dynamics();
+    let start = (x.vector(), period, upwards);
+    let how = CurveSettings { settings, other };
+    follow_from(system, start, how, options, |continuation| {
+        let junction = continuation.seek(|_| true, number)?;
+        let condition = CurveCondition::of(&junction)?;
+        let Junction { at, cycle, .. } = junction;
+        Some((at, condition, cycle))
+    })
+}
+
+/// The ranges of both parameters, and how the curve is followed.
+#[derive(Clone, Copy)]
+struct CurveSettings<'a> {
+    settings: &'a ContinuationSettings,
+    other: (f64, f64),
+}
+
+/// A special orbit, the condition that it meets, and that orbit.
+type CurveStart = (SpecialPoint, CurveCondition, Cycle);
+
+/// Follows a branch to a special orbit of it, and the curve of that.
+fn follow_from(
+    system: &dyn Dynamics,
+    (x, period, upwards): (Vector, f64, bool),
+    CurveSettings { settings, other }: CurveSettings<'_>,
+    options: &Options,
+    seek: impl FnOnce(&mut Continuation<'_>) -> Option<CurveStart>,
+) -> Result<Curve, Error> {
     settings.check()?;
     ContinuationSettings::over(other.0, other.1).check()?;
-    let system = &*system.dynamics();
-    let x = x.vector();
     check_start(&x, 2, settings)?;
     let place = x.len() - 2;
     let value = x[place];
@@ -111,11 +141,8 @@ pub fn continue_change<Kind>(
         t: 0.0,
         span: period,
     };
-    let junction = continuation.seek(|_| true, number);
-    let junction = junction.ok_or(not_found("a special orbit on the branch"))?;
-    let condition = CurveCondition::of(&junction);
-    let condition = condition.ok_or(not_found("a curve of the special orbit"))?;
-    let Junction { at, cycle, .. } = junction;
+    let begun = seek(&mut continuation).ok_or(not_found("a curve of the special orbit"))?;
+    let (at, condition, cycle) = begun;
     let curve = CurveContinuation {
         shooting: continuation.shooting,
         units: Units {
@@ -128,8 +155,9 @@ pub fn continue_change<Kind>(
         kind: CurveKind::of(&at.what),
     };
     let plane = (&by_other, value);
+    const BEGIN: &str = "an orbit to begin the curve with";
     let first = curve.solve((&condition, cycle.steps), &cycle.outline, plane);
-    let (first, condition) = first.ok_or(not_found("an orbit to begin the curve with"))?;
+    let (first, condition) = first.ok_or(not_found(BEGIN))?;
     let follow = |sign: f64| curve.follow(&first, condition.clone(), sign);
     let behind = follow(1.0);
     // A closed curve is the same in the other direction.
@@ -140,7 +168,7 @@ pub fn continue_change<Kind>(
     let mut points = before.points;
     points.reverse();
     let begun = points.len();
-    points.push(point(&first));
+    points.push(curve.point(&first, &condition).ok_or(not_found(BEGIN))?);
     points.extend(behind.points);
     let mut special = before.special;
     special.reverse();
@@ -159,6 +187,18 @@ pub fn continue_change<Kind>(
         first: begun,
         stops: [before.stop, behind.stop],
     })
+}
+
+impl CurveContinuation<'_> {
+    /// An orbit of the curve, or the end of a branch that is extrapolated from it.
+    fn point(&self, cycle: &Cycle, condition: &CurveCondition) -> Option<CurvePoint> {
+        let mut point = point(cycle);
+        if let CurveCondition::Period(_, end) = condition {
+            point.parameters[1] = self.at_end(cycle, *end)?;
+            point.x[self.place + 1] = point.parameters[1];
+        }
+        Some(point)
+    }
 }
 
 fn point(cycle: &Cycle) -> CurvePoint {
@@ -194,5 +234,6 @@ struct CurveContinuation<'a> {
     /// The component of the other parameter, and its range.
     place: usize,
     other: (f64, f64),
-    kind: CurveKind,
+    /// `None` for an end of a branch.
+    kind: Option<CurveKind>,
 }

@@ -33,6 +33,10 @@ pub(super) fn certain(_: &Cycle, _: &CurveCondition) -> Option<f64> {
 }
 
 impl CurveContinuation<'_> {
+    fn tests(&self) -> &'static [CodimensionTwoTest] {
+        self.kind.map_or(&[], CurveKind::tests)
+    }
+
     /// The functions at an orbit of the curve.
     pub(super) fn values(&self, cycle: &Cycle, condition: &CurveCondition) -> Vec<Option<f64>> {
         let value = |test: &CodimensionTwoTest| match test {
@@ -44,7 +48,7 @@ impl CurveContinuation<'_> {
             }
             test => self.value(*test, cycle, condition),
         };
-        self.kind.tests().iter().map(value).collect()
+        self.tests().iter().map(value).collect()
     }
 
     /// The normal form at an orbit of a curve of flips or of Neimark–Sacker bifurcations.
@@ -66,7 +70,7 @@ impl CurveContinuation<'_> {
             return None;
         }
         let of = || critical(cycle, &self.shooting);
-        match (test, self.kind) {
+        match (test, self.kind?) {
             (CodimensionTwoTest::Fold, CurveKind::Fold) => Some(others(&of()?.multipliers, 1.0)),
             (CodimensionTwoTest::Flip, CurveKind::Flip) => Some(others(&of()?.multipliers, -1.0)),
             // The product of the other multipliers, less 1 each, does not see the pair.
@@ -95,7 +99,7 @@ impl CurveContinuation<'_> {
     ) -> Vec<(f64, CurveSpecialPoint)> {
         let length = at.line.place(&next.cycle);
         let mut found = Vec::new();
-        for (k, &test) in self.kind.tests().iter().enumerate() {
+        for (k, &test) in self.tests().iter().enumerate() {
             let (Some(a), Some(b)) = (at.values[k], next.values[k]) else {
                 continue;
             };
@@ -111,12 +115,12 @@ impl CurveContinuation<'_> {
                 _ => Some(0.0),
             };
             let located = self.located(at, [(0.0, a), (length, b)], [&function, &doubt]);
-            found.extend(located.map(|located| {
-                let what = self.kind.named(test);
-                (located.s, self.described(&located, what, orbits))
+            found.extend(located.and_then(|located| {
+                let what = self.kind?.named(test);
+                Some((located.s, self.described(&located, what, orbits)))
             }));
         }
-        if self.kind == CurveKind::Fold {
+        if self.kind == Some(CurveKind::Fold) {
             found.extend(self.cusp(at, next, length).map(|located| {
                 let behind = if located.s < 0.0 { orbits - 1 } else { orbits };
                 let what = CurveBifurcation::Cusp;

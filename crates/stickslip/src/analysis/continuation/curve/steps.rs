@@ -3,7 +3,7 @@
 use super::super::steps::SHORTEST_STEP;
 use super::super::tangent_line::TangentLine;
 use super::condition::CurveCondition;
-use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, point};
+use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop};
 use crate::analysis::cycle::{Cycle, Outline};
 
 /// The part of a curve in one direction from its first orbit.
@@ -148,6 +148,10 @@ impl CurveContinuation<'_> {
                 }
                 continue;
             };
+            let Some(next_point) = self.point(&next.cycle, &next.condition) else {
+                step *= SHORTER;
+                continue;
+            };
             let half = self.flip_of_half(&at, &next, orbits);
             let resonance = match half {
                 Some(_) => None,
@@ -192,7 +196,7 @@ impl CurveContinuation<'_> {
                 way.end(end);
                 return way;
             }
-            way.points.push(point(&next.cycle));
+            way.points.push(next_point);
             let longer = if next.cycle.iterations <= 5 { 1.4 } else { 1.0 };
             step = (longer * step).min(self.settings.step);
             at = next;
