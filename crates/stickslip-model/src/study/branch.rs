@@ -137,8 +137,8 @@ impl<'a> Along<'a> {
         Ok(EquilibriaOfBranch::joined([down?, up?]))
     }
 
-    /// The curve of a special orbit or end of a branch in two parameters. The system `both` has the second
-    /// parameter, of some range, as the state before the own one, and `x` is the start of
+    /// The curve of a special orbit or end of a branch in two parameters. The system `both` has the
+    /// second parameter, of some range, as the state before the own one, and `x` is the start of
     /// [`Along::start`] with its value. `None` if no curve continues from it.
     ///
     /// # Errors

@@ -38,11 +38,13 @@ use output::terminal::with_spinner;
 ///
 /// --also follows each of these special orbits, except branch points, in two parameters, and names
 /// special points on the curves: cusps, resonances, and where two conditions meet. Ends of the
-/// branch at homoclinic orbits and two-folds are followed, too. --branches adds a column `branch` to the tables: 0 is the branch through the orbit, and the others are in
-/// the order of their beginnings. The column `branches` of special.csv has the numbers of the
-/// branches that begin at an orbit. A branch of one orbit could not be followed from there. With
-/// --depth 2 the flips of these branches are followed, too, and so on. A bubble, a branch that ends
-/// in another flip of the branch on which it begins, is listed once.
+/// branch at homoclinic orbits and two-folds are followed, too.
+///
+/// --branches adds a column `branch` to the tables: 0 is the branch through the orbit, and the
+/// others are in the order of their beginnings. The column `branches` of special.csv has the
+/// numbers of the branches that begin at an orbit. A branch of one orbit could not be followed from
+/// there. With --depth 2 the flips of these branches are followed, too, and so on. A bubble, a
+/// branch that ends in another flip of the branch on which it begins, is listed once.
 ///
 /// --equilibrium follows the equilibrium that the run approaches, also into the sliding field and
 /// out of it. Folds, branch points, Hopf bifurcations and boundary equilibria are located. With

@@ -19,6 +19,10 @@ use crate::filippov::Options;
 /// digits.
 const NEAR: f64 = 1e-6;
 
+/// Precision to which the end must be extrapolated from each orbit, as a fraction of the range.
+/// Chosen.
+const RESOLVED: f64 = 1e-8;
+
 /// An end of a branch that has a curve: the period there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum EndPeriod {
@@ -55,11 +59,15 @@ impl EndPeriod {
         }
     }
 
-    /// The parameter at the end of the branch of an orbit, `None` where it is not resolved.
-    fn place(self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<f64> {
-        // Largest difference of both limits, as a fraction of the range. Chosen: next to a saddle
-        // whose orbits oscillate, both differ by about the distance.
-        const RESOLVED: f64 = 1e-8;
+    /// The parameter at the end of the branch of an orbit, `None` where that is not resolved to a
+    /// fraction of the range: where both limits differ by more. Next to a saddle whose orbits
+    /// oscillate, they differ by about the distance.
+    fn place(
+        self,
+        (shooting, units): (&Shooting<'_>, Units),
+        cycle: &Cycle,
+        resolved: f64,
+    ) -> Option<f64> {
         // With the derivatives in the plane of this branch.
         let mut at = shooting.evaluated(&cycle.outline)?;
         let mut values = Vec::new();
@@ -68,7 +76,7 @@ impl EndPeriod {
             values.push(parameter_of(&at));
         }
         let [limit, fewer] = self.limits(&values);
-        ((limit - fewer).abs() <= RESOLVED * units.width).then_some(limit)
+        ((limit - fewer).abs() <= resolved * units.width).then_some(limit)
     }
 }
 
@@ -122,9 +130,15 @@ pub fn continue_end<Kind>(
         let near = NEAR * continuation.branch.units.width;
         let is_near = |one: &Cycle| (parameter_of(one) - at.parameter).abs() <= near;
         let (shooting, units) = (&continuation.shooting, continuation.branch.units);
-        let is_resolved = |one: &Cycle| end.place(shooting, units, one).is_some();
+        // Farther along the curve it may be resolved less.
+        let is_resolved = |one: &Cycle| {
+            let place = end.place((shooting, units), one, 1e-2 * RESOLVED);
+            place.is_some()
+        };
         let cycle = match end {
-            EndPeriod::Infinite => cycles.into_iter().find(is_near).filter(is_resolved),
+            EndPeriod::Infinite => cycles
+                .into_iter()
+                .find(|one| is_near(one) && is_resolved(one)),
             EndPeriod::Zero => None,
         };
         let cycle = cycle.unwrap_or_else(|| last.clone());
@@ -174,7 +188,7 @@ impl CurveContinuation<'_> {
             plane: Some((&row, value)),
             ..self.shooting
         };
-        end.place(&shooting, self.units, cycle)
+        end.place((&shooting, self.units), cycle, RESOLVED)
     }
 }
 

@@ -99,9 +99,15 @@ impl CurveContinuation<'_> {
                 );
                 let what = CurveKind::at_change(self.kind, named.bifurcation);
                 let last = self.point(&located.cycle, &at.condition).ok_or(())?;
+                let special = self.described(&located, what, orbits);
+                // An orbit beside the end of a branch has the change beside that at the end.
+                let widths = self.widths();
+                let beside = (last.parameters[1] - special.parameters[1]).abs() / widths[1];
+                let uncertainties = [0, 1].map(|k| special.uncertainties[k] + beside * widths[k]);
                 let special = CurveSpecialPoint {
                     parameters: last.parameters,
-                    ..self.described(&located, what, orbits)
+                    uncertainties,
+                    ..special
                 };
                 first = Some(CurveEnd {
                     s: located.s,
