@@ -320,7 +320,15 @@ impl<'a> Along<'a> {
         options: &Options,
     ) -> Result<WholeBranch, E> {
         only_once(&mut ways);
-        let [down, up] = ways;
+        let [mut down, up] = ways;
+        // The first orbit may be a special one, which both directions then find.
+        if let (Some(one), Some(other)) = (down.special.first(), up.special.first()) {
+            let known = one.uncertainty + other.uncertainty;
+            let is_near = (one.parameter - other.parameter).abs() <= known;
+            if is_near && std::mem::discriminant(&one.what) == std::mem::discriminant(&other.what) {
+                down.special.remove(0);
+            }
+        }
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();

@@ -596,3 +596,94 @@ fn a_bubble_between_two_flips_is_one_branch() {
     };
     assert_eq!((bubble.parent, bubble.from, bubble.to), (0, 0, Some(1)));
 }
+
+/// A map of the plane, iterated once in a unit of time.
+fn map(parameters: &str, x: &str, y: &str, start: f64) -> String {
+    format!(
+        r#"name = "map"
+[time]
+period = 1
+[states]
+x = ""
+y = ""
+[parameters]
+{parameters}
+[jumps.map]
+when = "sin(2*pi*t + 1)"
+direction = "rising"
+set = {{ x = "{x}", y = "{y}" }}
+[field]
+x = 0
+y = 0
+[start]
+x = {start}
+y = 0
+"#
+    )
+}
+
+#[test]
+fn a_generalized_flip_is_found_wherever_the_orbits_of_the_curve_lie() {
+    // On the centre manifold y = 0.6 x², and the flip changes where 1 + c + 0.12 = 0. One of the
+    // ranges has an orbit there, at which the coefficient has no sign.
+    let text = map(
+        "p = -0.3\nc = 1",
+        "-(1 + p)*x + x^2 + c*x^3 + 0.2*x*y",
+        "0.5*y + 0.3*x^2",
+        0.01,
+    );
+    for high in [1.5, 1.9, 2.3, 2.9] {
+        let ranges = (("p", -0.5, 0.5), ("c", -3.0, high));
+        let found = curves(&system(&text), ranges.0, ranges.1, &options("taylor"));
+        let [curve] = &found[..] else {
+            panic!("{}", found.len());
+        };
+        let [at] = all(curve, &CurveBifurcation::GeneralizedFlip)[..] else {
+            panic!("{high}: {:?}", curve.special);
+        };
+        is_at(at, [-1.12, 0.0], 1e-3);
+    }
+}
+
+#[test]
+fn a_resonance_at_the_first_orbit_of_a_curve_is_named_once() {
+    let text = map(
+        "p = -0.1\ns = 0",
+        "y",
+        "-(1 + p)*x + s*y + 0.1*x^2 - 0.3*y^3",
+        0.0,
+    );
+    let ranges = (("p", -0.5, 0.5), ("s", -1.5, 1.5));
+    let found = curves(&system(&text), ranges.0, ranges.1, &options("taylor"));
+    let [curve] = &found[..] else {
+        panic!("{}", found.len());
+    };
+    for (order, exact) in [(3, [-1.0, 0.0]), (4, [0.0, 0.0])] {
+        let [at] = all(curve, &CurveBifurcation::Resonance(order))[..] else {
+            panic!("1:{order}: {:?}", curve.special);
+        };
+        is_at(at, exact, 1e-10);
+        let [before, behind] = [at.behind - 1, at.behind].map(|k| curve.points[k].parameters[0]);
+        let (low, high) = (before.min(behind), before.max(behind));
+        assert!(
+            (low - 1e-9..=high + 1e-9).contains(&exact[0]),
+            "{low} {high}"
+        );
+    }
+}
+
+#[test]
+fn a_flip_of_the_orbit_with_which_a_branch_begins_is_on_it_once() {
+    // The multiplier of x = p is 1 - p.
+    let text = map("p = 2", "x + p*x - x^2", "0.5*y", 2.0);
+    let found = branch(&system(&text), ("p", 1.0, 3.0), &options("taylor"));
+    let [at] = &found.special[..] else {
+        panic!("{:?}", found.special);
+    };
+    assert_eq!(at.what, CycleBifurcation::Flip);
+    assert!(
+        (at.parameter - 2.0).abs() <= at.uncertainty.max(1e-12),
+        "{}",
+        at.parameter
+    );
+}

@@ -19,6 +19,9 @@ impl Continuation<'_> {
         next: Cycle,
         onward: Option<TangentLine>,
     ) -> Option<Stop> {
+        // Where a function is exactly zero at the last orbit, it is taken so far before that, as a
+        // fraction of the step.
+        const BEFORE: f64 = 1e-3;
         // Distance at which a fold and a branch point are one, as a fraction of the step. Chosen:
         // each is located at least ten times as precisely.
         const SAME_POINT: f64 = 0.1;
@@ -51,18 +54,19 @@ impl Continuation<'_> {
             let Some(b) = function(end) else {
                 continue;
             };
-            // The determinant has its simple zero at the meeting, too.
-            let begin = if kind == 1 && is_undetermined {
-                0.5 * length
-            } else {
-                0.0
+            let at = |begin: f64, function: &SolutionFunction<'_>| {
+                Some((begin, function(&line.on(&shooting, begin)?)?))
             };
-            let a = match kind {
-                0 if is_undetermined => Some(2.0 * chord - b),
-                1 if is_undetermined => line.on(&shooting, begin).as_ref().and_then(border),
-                _ => function(&self.branch.last),
+            let begin = match kind {
+                0 if is_undetermined => Some((0.0, 2.0 * chord - b)),
+                // The determinant has its simple zero at the meeting, too.
+                1 if is_undetermined => at(0.5 * length, &border),
+                _ => match function(&self.branch.last) {
+                    Some(0.0) => at(-BEFORE * length, function),
+                    value => value.map(|a| (0.0, a)),
+                },
             };
-            let Some(a) = a else {
+            let Some((begin, a)) = begin else {
                 continue;
             };
             if a * b >= 0.0 {

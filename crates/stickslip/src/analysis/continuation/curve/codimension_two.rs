@@ -90,6 +90,17 @@ pub struct CurveSpecialPoint {
     pub period: f64,
 }
 
+impl CurveSpecialPoint {
+    /// Whether another one is this one, to within the uncertainties.
+    pub(super) fn is_same(&self, other: &Self) -> bool {
+        let is_near = |k: usize| {
+            let known = self.uncertainties[k] + other.uncertainties[k];
+            (self.parameters[k] - other.parameters[k]).abs() <= known
+        };
+        self.what == other.what && is_near(0) && is_near(1)
+    }
+}
+
 /// A function that vanishes at special orbits of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum CodimensionTwoTest {

@@ -172,6 +172,12 @@ fn follow_from(
     points.extend(behind.points);
     let mut special = before.special;
     special.reverse();
+    // The first orbit may be a special one, which both directions then find.
+    if let (Some(one), Some(other)) = (special.last(), behind.special.first())
+        && one.is_same(other)
+    {
+        special.pop();
+    }
     for one in &mut special {
         let is_end = one.parameters == points[0].parameters;
         one.behind = (begun + 1).saturating_sub(one.behind + usize::from(is_end));

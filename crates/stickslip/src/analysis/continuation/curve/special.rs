@@ -1,5 +1,7 @@
 //! Special orbits on curves: bifurcations of codimension two.
 
+use std::cell::LazyCell;
+
 use super::super::critical;
 use super::codimension_two::{
     CodimensionTwoTest, CurveBifurcation, CurveSpecialPoint, angle_of, others,
@@ -99,13 +101,24 @@ impl CurveContinuation<'_> {
     ) -> Vec<(f64, CurveSpecialPoint)> {
         let length = at.line.place(&next.cycle);
         let mut found = Vec::new();
+        // The functions a step before, where one has no sign at the last orbit.
+        let before = LazyCell::new(|| {
+            let (cycle, condition) = self.on(at, -length)?;
+            Some(self.values(&cycle, &condition))
+        });
         for (k, &test) in self.tests().iter().enumerate() {
-            let (Some(a), Some(b)) = (at.values[k], next.values[k]) else {
+            let Some(b) = next.values[k] else {
                 continue;
             };
-            if a * b >= 0.0 {
+            let begin = match at.values[k] {
+                Some(a) if a != 0.0 => Some((0.0, a)),
+                _ => before
+                    .as_ref()
+                    .and_then(|values| Some((-length, values[k]?))),
+            };
+            let Some((begin, a)) = begin.filter(|(_, a)| a * b < 0.0) else {
                 continue;
-            }
+            };
             let function =
                 |cycle: &Cycle, condition: &CurveCondition| self.value(test, cycle, condition);
             let doubt = |cycle: &Cycle, condition: &CurveCondition| match test {
@@ -114,10 +127,11 @@ impl CurveContinuation<'_> {
                 }
                 _ => Some(0.0),
             };
-            let located = self.located(at, [(0.0, a), (length, b)], [&function, &doubt]);
+            let located = self.located(at, [(begin, a), (length, b)], [&function, &doubt]);
             found.extend(located.and_then(|located| {
                 let what = self.kind?.named(test);
-                Some((located.s, self.described(&located, what, orbits)))
+                let behind = if located.s < 0.0 { orbits - 1 } else { orbits };
+                Some((located.s, self.described(&located, what, behind)))
             }));
         }
         if self.kind == Some(CurveKind::Fold) {
