@@ -73,8 +73,7 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
 pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, ProgramError> {
     if arguments.png && !cfg!(feature = "png") {
         // Reported before the long computation.
-        let remedy = "cargo build -p stickslip-replication --profile figures --no-default-features \
-            --features png";
+        let remedy = "cargo build -p stickslip-replication --features png";
         let built = "this program was built without PNG output";
         return Err(format!("{built}; rebuild it with `{remedy}`").into());
     }
