@@ -10,26 +10,27 @@ help: ## Show the targets
 
 figures: $(FIGURES) ## Compute and draw all figures into figures/
 
-# One build for all figures, without what they do not need. The runs then only start them, one after
-# the other even under make -j.
-FIGURES_BUILD := --profile figures --no-default-features
+# One build for all figures, by the profile of the tests. With PROGRAM_IS_BUILT set, the tests built
+# them. They start one after the other even under make -j.
 REPLICATION := --locked --quiet -p stickslip-replication
 build-figures:
-	$(CARGO) build --locked -p stickslip-replication --bins $(FIGURES_BUILD)
+	test -n "$$PROGRAM_IS_BUILT" || $(CARGO) build --locked -p stickslip-replication --bins
 build-replication:
 	$(CARGO) build --locked -p stickslip-replication --bins --release
 .PHONY: build-figures build-replication
 .NOTPARALLEL:
 
 $(FIGURES): build-figures
-	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin $@ -- --out-dir figures
+	$(PROGRAMS)/$@ --out-dir figures
 
 report: build-replication ## The verdict on every claim: report/index.html, report/claims.csv, README's verdicts, provenance
 	$(CARGO) run $(REPLICATION) --release --bin report
 	archive/provenance.sh > target/provenance.json && mv target/provenance.json report/
 
-# All packages that are tested without Python. `cargo test` alone is the check of the replication.
-TESTED := --locked --workspace --exclude stickslip-python
+# The extension module of Python has no tests in Rust and is not compiled. Selecting it gives shared
+# crates the features of the wheel, so that both take one build. `cargo test` alone is the check of
+# the replication.
+TESTED := --locked --workspace
 
 test: ## Run all tests; the test profile is optimised, see Cargo.toml
 	$(CARGO) test $(TESTED)
@@ -41,8 +42,8 @@ golden: ## Rewrite golden/, figures/, report/, README's verdicts on purpose; not
 readings: build-replication ## Search all readings of Figs. 10-12 anew into golden/, some ten minutes
 	$(CARGO) run $(REPLICATION) --release --bin readings -- --out golden
 
-captions: build-figures ## Captions of Figs. 10-12 moved within their rounding: golden/captions.csv, some ten minutes
-	$(CARGO) run $(REPLICATION) $(FIGURES_BUILD) --bin captions -- --out-dir golden
+captions: build-replication ## Captions of Figs. 10-12 moved within their rounding: golden/captions.csv, some ten minutes
+	$(CARGO) run $(REPLICATION) --release --bin captions -- --out-dir golden
 
 fit-coverage: ## How often intervals of fits contain the truth: crates/stickslip-model/examples/fit_coverage
 	$(CARGO) run --locked --release -p stickslip-model --example fit_coverage -- crates/stickslip-model/examples/fit_coverage
@@ -50,8 +51,8 @@ fit-coverage: ## How often intervals of fits contain the truth: crates/stickslip
 shooting: ## 100 chaotic records by multiple and by single shooting; some minutes
 	$(CARGO) test --locked --release -p stickslip-model --test suite -- --ignored --nocapture 90_of_100_chaotic
 
-random: ## 10,000 random systems: both methods, in pieces, and stops (not all pass yet); an hour
-	$(CARGO) test --locked -p stickslip-model --test suite -- --ignored --nocapture --test-threads 1 ten_thousand_random
+random: ## 10,000 random systems: both methods, in pieces, stops, chains (not all pass yet); an hour
+	$(CARGO) test $(TESTED) --test suite --test contacts -- --ignored --nocapture --test-threads 1 ten_thousand_random
 
 mutants: ## Change constants, digits and signs one at a time; the tests must notice each; an hour
 	tests/mutants.sh
@@ -64,7 +65,7 @@ fuzz: ## Broken input to system files, formulas, tables, blocks; needs cargo-fuz
 
 old-processor: build-figures ## The same bits without AVX and FMA, by an emulator (qemu-user); ten minutes
 	$(CARGO) build --locked -p stickslip-cli
-	tests/old_processor.sh $(STICKSLIP) "$$(dirname $(STICKSLIP))/../figures" $(FIGURES)
+	tests/old_processor.sh $(PROGRAMS) $(FIGURES)
 
 archive: ## Sources, crates, figures, golden files and page in dist/, to be built without a network
 	CARGO=$(CARGO) archive/make.sh
@@ -72,9 +73,13 @@ archive: ## Sources, crates, figures, golden files and page in dist/, to be buil
 second-opinion: ## The main numbers once more in plain Python, compared with golden/; a quarter of a minute
 	$(PYTHON) second-opinion/second_opinion.py golden
 
+# The folder that cargo builds into.
+TARGET = "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')"
+PROGRAMS = $(TARGET)/debug
+STICKSLIP = $(PROGRAMS)/stickslip
+
 # The JSON output of a command is its golden. A sweep resumes from its blocks, so these are removed
 # first. The commands run in the folder of their output, so that no golden names a build folder.
-STICKSLIP = "$$($(CARGO) metadata --locked --no-deps --format-version 1 | sed -E 's/.*"target_directory":"([^"]*)".*/\1/')/debug/stickslip"
 DIAGRAMS := target/diagrams
 DIAGRAM = cd $(DIAGRAMS) && $(STICKSLIP)
 
@@ -113,7 +118,7 @@ BENCHES ?= orbits python basins spectra
 BENCH_ARGS ?=
 BENCH_VENV := target/bench-venv
 BENCH_WANTED := benches/requirements.txt
-RELEASE = $(subst /debug/stickslip,/release,$(STICKSLIP))
+RELEASE = $(TARGET)/release
 BENCH_orbits = $(RELEASE)/examples/bench
 BENCH_basins = $(RELEASE)/stickslip $(RELEASE)/examples/basin
 BENCH_spectra = $(RELEASE)/stickslip
@@ -156,9 +161,9 @@ docs: wheel ## The site: target/docs/html/index.html, every code block run; need
 	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m pytest -q -p no:cacheprovider docs benches archive
 	rm -rf $(DOCS) docs/_gallery docs/reference/_api
 	STICKSLIP=$(STICKSLIP) $(DOCS_VENV)/bin/python -m sphinx -W --keep-going -q -d target/docs/doctrees docs $(DOCS)
-	rm -rf "$$(dirname $(STICKSLIP))/../doc"
+	rm -rf $(TARGET)/doc
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps --lib
-	cp -r "$$(dirname $(STICKSLIP))/../doc" $(DOCS)/rust
+	cp -r $(TARGET)/doc $(DOCS)/rust
 	mkdir $(DOCS)/report && sed -E 's/ href="\.\.\/[^"]*"//g' report/index.html > $(DOCS)/report/index.html
 	$(DOCS_VENV)/bin/python docs/check_links.py $(DOCS)
 
@@ -179,10 +184,10 @@ PROGRAM_NAME := stickslip-$(VERSION)-$(shell uname -m)-$(shell uname -s | tr A-Z
 dist: ## What a release consists of, in dist/: crates, wheel, program; needs Python and a network
 	PYTHON=$(PYTHON) CARGO=$(CARGO) python/make.sh release
 	$(CARGO) package --locked -p stickslip-numerics -p stickslip
-	cp "$$(dirname "$$(dirname $(STICKSLIP))")"/package/stickslip*-$(VERSION).crate dist/
+	cp $(TARGET)/package/stickslip*-$(VERSION).crate dist/
 	$(CARGO) build --locked --release -p stickslip-cli
 	rm -rf target/dist && mkdir -p target/dist/$(PROGRAM_NAME)
-	cp $(subst /debug/,/release/,$(STICKSLIP)) LICENSE README.md CHANGELOG.md target/dist/$(PROGRAM_NAME)
+	cp $(RELEASE)/stickslip LICENSE README.md CHANGELOG.md target/dist/$(PROGRAM_NAME)
 	tar -C target/dist -czf dist/$(PROGRAM_NAME).tar.gz $(PROGRAM_NAME)
 	cd dist && sha256sum *.whl *.crate *.tar.gz > SHA256SUMS && cat SHA256SUMS
 
@@ -196,7 +201,6 @@ format: ## Formatting and lines, in seconds; the first part of `make check`
 
 check: format ## Formatting, lines, lints and documentation, every warning an error
 	$(CARGO) clippy --locked --workspace --all-targets --all-features -- -D warnings
-	$(CARGO) clippy --locked -p stickslip-replication -p stickslip-cli --no-default-features --lib --bins --tests -- -D warnings
 	$(CARGO) test --locked --quiet -p output --features png
 	RUSTDOCFLAGS="-D warnings" $(CARGO) doc --locked --workspace --no-deps
 

@@ -169,7 +169,8 @@ def public_names(version):
     summary = f"public names {against}: {', '.join(broken)}"
     # Before 1.0 the second number says that names were removed or changed.
     if version.split(".")[:2] != before.split(".")[:2]:
-        return True, f"{summary}; a new minor version may, and the changelog names them"
+        names = "\n  ".join(sorted(set(re.findall(r"^  (.+), previously in ", words, re.M))))
+        return True, f"{summary}; a new minor version may. The changelog must name:\n  {names}"
     return False, f"{summary}; a patch version may not\n{words}"
 
 

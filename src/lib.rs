@@ -8,7 +8,6 @@ mod numbers;
 mod orbit_records;
 pub mod paper;
 pub mod readings;
-#[cfg(feature = "report")]
 pub mod report;
 mod terminal;
 mod text;

@@ -29,7 +29,6 @@ pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Maximum of nonnegative values; 0 for an empty sequence.
-#[cfg(feature = "report")]
 pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, f64::max)
 }

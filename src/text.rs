@@ -64,7 +64,6 @@ where
 }
 
 /// The lines that delimit a generated part of a file that is otherwise written by hand.
-#[cfg(feature = "report")]
 #[derive(Clone, Copy, Debug)]
 pub struct SectionMarkers {
     /// The line before it, with its newline.
@@ -73,7 +72,6 @@ pub struct SectionMarkers {
     pub end: &'static str,
 }
 
-#[cfg(feature = "report")]
 impl SectionMarkers {
     /// `text` with `part` between the marks; `None` if it has no such marks.
     pub fn replace_section(self, text: &str, part: &str) -> Option<String> {
@@ -84,7 +82,7 @@ impl SectionMarkers {
     }
 }
 
-#[cfg(all(test, feature = "report"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

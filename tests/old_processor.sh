@@ -2,14 +2,14 @@
 # Shows that results have the same bits on a processor without AVX and FMA. Such a processor is
 # emulated; its code and the arithmetic are the emulator's.
 #
-#     tests/old_processor.sh STICKSLIP FOLDER FIGURE...
+#     tests/old_processor.sh FOLDER FIGURE...
 #
-# STICKSLIP is the program, and FOLDER has the programs of the figures. What these write is compared
-# with figures/, byte by byte, and what the commands below write, with what they write without an
-# emulator. Exit code 75: there is no emulator, so nothing was compared.
+# FOLDER has the program stickslip and those of the figures. What the figures' programs write is
+# compared with figures/, byte by byte, and what the commands below write, with what they write
+# without an emulator. Exit code 75: there is no emulator, so nothing was compared.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-[ $# -ge 2 ] || { sed -n '5,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
+[ $# -ge 1 ] || { sed -n '5,9s/^# \{0,1\}//p' "$0" >&2; exit 2; }
 
 # The oldest processor of this emulator with what every x86-64 has: a Core 2 of 2006.
 emulator="qemu-x86_64 -cpu Conroe"
@@ -21,14 +21,14 @@ if ! grep -qw fma /proc/cpuinfo 2>/dev/null; then
     echo "this machine has no FMA either: the figures alone were made by one that has" >&2
 fi
 
-program="$(realpath "$1")" figures="$(realpath "$2")" root="$PWD" work="$PWD/target/old-processor"
-shift 2
+programs="$(realpath "$1")" root="$PWD" work="$PWD/target/old-processor"
+shift
 rm -rf "$work"
 mkdir -p "$work/here" "$work/emulated" "$work/figures"
 
 for figure in "$@"; do
     echo "$figure"
-    $emulator "$figures/$figure" --out-dir "$work/figures" >/dev/null
+    $emulator "$programs/$figure" --out-dir "$work/figures" >/dev/null
 done
 count=0
 while IFS= read -r -d '' file; do
@@ -61,7 +61,7 @@ for index in "${!commands[@]}"; do
         (
             cd "$work/$where/$index"
             # shellcheck disable=SC2086 # Arguments, of which there are several.
-            $with "$program" ${commands[index]} --out out --json >out.json
+            $with "$programs/stickslip" ${commands[index]} --out out --json >out.json
         )
     done
 done

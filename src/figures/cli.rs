@@ -11,6 +11,8 @@ use crate::terminal::{self, ProgramError};
 use output::Artifact;
 use output::terminal::with_spinner;
 
+const OPTION: &str = "--out-dir";
+
 /// Arguments of a figure program.
 #[derive(Debug, Parser)]
 #[command(version)]
@@ -69,15 +71,17 @@ fn command<D>(figure: &FigureSpec<D>) -> clap::Command {
 /// Computes, draws and writes a figure; returns the text for the terminal.
 ///
 /// # Errors
-/// The error of the step that fails. Files are written last, so an error leaves none behind.
+/// The error of the step that fails. Files are written last, so an error leaves none behind, but
+/// perhaps an empty folder.
 pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, ProgramError> {
     if arguments.png && !cfg!(feature = "png") {
         // Reported before the long computation.
-        let remedy = "cargo build -p stickslip-replication --profile figures --no-default-features \
-            --features png";
+        let remedy = "cargo build -p stickslip-replication --features png";
         let built = "this program was built without PNG output";
         return Err(format!("{built}; rebuild it with `{remedy}`").into());
     }
+    // So is a folder that cannot be written to.
+    terminal::write(&arguments.out_dir, &[], OPTION)?;
     let claims = Claims::committed()?;
     let data = figure.compute()?;
     let rows = (figure.numbers)(&data);
@@ -94,9 +98,9 @@ pub fn run<D>(figure: &FigureSpec<D>, arguments: &Arguments) -> Result<String, P
         name: name("png"),
         bytes,
     }));
-    let mut paths = terminal::write(&arguments.out_dir, &artifacts, "--out-dir")?;
+    let mut paths = terminal::write(&arguments.out_dir, &artifacts, OPTION)?;
     let folder = arguments.out_dir.join("curves");
-    paths.extend(terminal::write(&folder, &curves, "--out-dir")?);
+    paths.extend(terminal::write(&folder, &curves, OPTION)?);
     Ok(format!(
         "{}\n\n{}\n{}",
         figure.title,

@@ -60,7 +60,6 @@ impl Group {
     }
 
     /// Meaning in words.
-    #[cfg(feature = "report")]
     pub fn meaning(self) -> &'static str {
         self.described().1
     }

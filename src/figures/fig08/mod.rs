@@ -10,7 +10,6 @@ use crate::paper::pattern::Pattern;
 use crate::paper::reading::Reading;
 use crate::paper::slip_times_three::converged;
 use compute::compute;
-#[cfg(feature = "report")]
 pub(crate) use compute::starts;
 pub use compute::{Data, ListingMotion, PERIODS_FOLLOWED, START_RANGE, Shares, StatedMotion};
 use draw::draw;

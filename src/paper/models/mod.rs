@@ -13,5 +13,4 @@ pub use block_and_bracket::{
 };
 pub use forced::ForcedOscillator;
 pub use tangent_points::BeltTangency;
-#[cfg(feature = "report")]
 pub(crate) use tangent_points::{tangency, visibility};

@@ -129,7 +129,6 @@ pub(crate) fn visibility<S: Filippov<2>>(
 }
 
 /// The visibility if the field of `side` is tangent to Σ at `(t, x)`, to rounding.
-#[cfg(feature = "report")]
 pub(crate) fn tangency<S: Filippov<2>>(
     model: &S,
     side: Side,

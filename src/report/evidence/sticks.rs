@@ -276,6 +276,10 @@ mod tests {
     use super::*;
     use crate::paper::published::Claims;
     use crate::report::evidence::settled_sticks;
+    use std::sync::LazyLock;
+
+    /// Computed once for all tests, since it takes seconds.
+    static GRID: LazyLock<GridPhases> = LazyLock::new(|| GridPhases::compute(claims()).unwrap());
 
     fn claims() -> &'static Claims {
         Claims::committed().unwrap()
@@ -283,8 +287,8 @@ mod tests {
 
     #[test]
     fn the_set_gives_the_stated_models_phases_and_not_the_listings() {
-        let grid = GridPhases::compute(claims()).unwrap();
-        let found = exact_lengths(&grid);
+        let grid = &*GRID;
+        let found = exact_lengths(grid);
         assert!(found[0].agrees && !found[1].agrees);
         let off = grid
             .of_fig08()
@@ -310,11 +314,11 @@ mod tests {
 
     #[test]
     fn a_third_of_the_releases_is_at_points_called_invisible() {
-        let grid = GridPhases::compute(claims()).unwrap();
+        let grid = &*GRID;
         let model = ForcedOscillator::default();
         let exits = Exits::of_model(&model, &grid.set, &grid.model);
         assert_eq!((exits.all(), exits.count_at_invisible()), (72, 24));
-        let found = exit_at_visible(&grid);
+        let found = exit_at_visible(grid);
         assert!(found[0].agrees && found[1].agrees && !found[1].is_evidence());
         // This holds by construction, unless the other end is tested too.
         let listing = Exits::of_listing(&grid.listing.phases);
@@ -348,14 +352,14 @@ mod tests {
 
     #[test]
     fn the_stated_model_stops_at_the_next_tangent_point_and_the_listing_does_not() {
-        let grid = GridPhases::compute(claims()).unwrap();
-        let found = until_tangent(&grid, settled_sticks().unwrap());
+        let grid = &*GRID;
+        let found = until_tangent(grid, settled_sticks().unwrap());
         assert!(!found[0].agrees && !found[1].agrees);
-        assert!(until_tangent(&grid, 1)[0].agrees);
+        assert!(until_tangent(grid, 1)[0].agrees);
         // With both ends tested, the listing comes nearer to that.
-        let (model, set) = (ForcedOscillator::default(), grid.set);
-        let listing = meetings(&model, &set, grid.listing.sticks());
-        let mended = meetings(&model, &set, grid.both_ends_tested.sticks());
+        let (model, set) = (ForcedOscillator::default(), &grid.set);
+        let listing = meetings(&model, set, grid.listing.sticks());
+        let mended = meetings(&model, set, grid.both_ends_tested.sticks());
         assert!(listing.passing > 0 && listing.outside_zones > 0.1);
         assert!(
             mended.outside_zones < 0.1 * listing.outside_zones,
@@ -369,9 +373,9 @@ mod tests {
 
     #[test]
     fn lengths_of_another_belt_would_be_its_way() {
-        let grid = GridPhases::compute(claims()).unwrap();
-        assert!(durations(&grid, claims().published_stick_numbers()).holds);
+        let grid = &*GRID;
+        assert!(durations(grid, claims().published_stick_numbers()).holds);
         let belt = ForcedOscillator::default().belt_speed;
-        assert!(!durations(&grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]).holds);
+        assert!(!durations(grid, [0.4, 0.2, 0.4 / belt, 0.2 / belt]).holds);
     }
 }

@@ -260,14 +260,34 @@ fn check(seed: u64, count: usize, options: &Options) {
     }
 }
 
-#[test]
-fn modes_energy_and_events_of_five_thousand_chains_by_runge_kutta() {
-    check(2013, 5_000, &Options::tol(1e-11));
+fn by_runge_kutta(count: usize) {
+    check(2013, count, &Options::tol(1e-11));
+}
+
+fn by_taylor(count: usize) {
+    check(73, count, &Options::tol(1e-12).method(Method::Taylor));
 }
 
 #[test]
-fn modes_energy_and_events_of_five_thousand_chains_by_taylor() {
-    check(73, 5_000, &Options::tol(1e-12).method(Method::Taylor));
+fn modes_energy_and_events_of_five_hundred_random_chains_by_runge_kutta() {
+    by_runge_kutta(500);
+}
+
+#[test]
+fn modes_energy_and_events_of_five_hundred_random_chains_by_taylor() {
+    by_taylor(500);
+}
+
+#[test]
+#[ignore = "takes minutes; make random runs it"]
+fn modes_energy_and_events_of_ten_thousand_random_chains_by_runge_kutta() {
+    by_runge_kutta(10_000);
+}
+
+#[test]
+#[ignore = "takes minutes; make random runs it"]
+fn modes_energy_and_events_of_ten_thousand_random_chains_by_taylor() {
+    by_taylor(10_000);
 }
 
 /// A chain whose frictions are known to add and to be no larger at rest, so that no event checks
