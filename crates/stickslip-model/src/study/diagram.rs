@@ -166,9 +166,6 @@ impl Diagram<'_> {
             reached: at.reached.clone(),
             exponent: None,
         });
-        if !is_change(&points[0].reached, &points[1].reached) {
-            return Ok(Vec::new());
-        }
         let (forcing, options) = (here.built.period, Options::tol(LOCATION_TOLERANCE));
         // The parameter is one state more, which may be one too many.
         let along = here
@@ -181,7 +178,8 @@ impl Diagram<'_> {
             };
             located.ok()
         });
-        let Some(located) = located else {
+        let is_change = || is_change(&points[0].reached, &points[1].reached);
+        let Some(located) = located.or_else(|| (!is_change()).then(Vec::new)) else {
             let (between, what) = ((ends[0].value, ends[1].value), WhatChanges::Unlocated);
             return Ok(vec![AttractorChange { between, what }]);
         };

@@ -132,3 +132,71 @@ fn a_sweep_goes_on_from_the_state_behind_a_kink() {
         }
     }
 }
+
+/// A system of one state along p.
+fn of_one(field: &str, period: &str, start: f64) -> System {
+    system(&format!(
+        "name = \"case\"\n[states]\nx = \"\"\n[parameters]\np = 0\n[field]\nx = \"{field}\"\n\
+         [start]\nx = {start}\n{period}"
+    ))
+}
+
+fn values(from: f64, to: f64, count: usize) -> Vec<f64> {
+    let value = |k| from + (to - from) * k as f64 / (count - 1) as f64;
+    (0..count).map(value).collect()
+}
+
+/// Folds at 2/3√3 of equilibria and of orbits that keep their phases: both directions jump.
+#[test]
+fn a_jump_between_attractors_of_the_same_phases_is_located() {
+    let exact = 2.0 / 27.0_f64.sqrt();
+    let forced = "-sin(t) + p + (x - cos(t)) - (x - cos(t))^3";
+    let orbits = of_one(forced, "[time]\nperiod = \"2*pi\"\n", -1.3);
+    let equilibria = of_one("p + x - x^3", "", -1.3);
+    for system in [equilibria, orbits] {
+        let [up, down] = both_ways(&system, "p", values(-1.0, 1.0, 21));
+        for (changes, exact) in [(up, exact), (down, -exact)] {
+            let [change] = &changes[..] else {
+                panic!("{changes:?}");
+            };
+            let off = (change.what.parameter().unwrap() - exact).abs();
+            assert!(off < 1e-9, "{change:?}: {off:e}");
+        }
+    }
+}
+
+/// Equilibria of `p + x + x³`, and orbits about them, have no change however coarse the values.
+#[test]
+fn attractors_that_move_smoothly_change_nowhere() {
+    let forced = "-sin(t) + p - (x - cos(t)) - (x - cos(t))^3";
+    let orbits = of_one(forced, "[time]\nperiod = \"2*pi\"\n", 0.0);
+    let equilibria = of_one("p - x - x^3", "", 0.0);
+    for system in [equilibria, orbits] {
+        for count in [3, 21] {
+            for changes in both_ways(&system, "p", values(-1.0, 1.0, count)) {
+                assert!(changes.is_empty(), "{changes:?}");
+            }
+        }
+    }
+}
+
+/// An orbit without phases: the period doubles where `continue` has a flip.
+#[test]
+fn a_doubled_period_without_phases_is_a_flip() {
+    let roessler = system(
+        "name = \"Roessler\"\n[states]\nx = \"\"\ny = \"\"\nz = \"\"\n[parameters]\nc = 2.5\n\
+         [field]\nx = \"-y - z\"\ny = \"x + 0.2*y\"\nz = \"0.2 + z*(x - c)\"\n[start]\nx = 1\n\
+         y = 1\nz = 0\n",
+    );
+    let found = crate::run::branch(&roessler, ("c", 2.5, 3.0), &options("taylor"));
+    let [flip] = crate::run::flips(&found)[..] else {
+        panic!("{:?}", found.special);
+    };
+    for changes in both_ways(&roessler, "c", vec![2.6, 3.0]) {
+        let [change] = &changes[..] else {
+            panic!("{changes:?}");
+        };
+        let off = (change.what.parameter().unwrap() - flip.parameter).abs();
+        assert!(off < 1e-9, "{change:?}: {off:e}");
+    }
+}

@@ -146,7 +146,7 @@ impl Attractor {
 }
 
 /// All cyclic shifts by which `other` has the elements of `one`.
-pub(super) fn shifts<'a, A, B>(
+pub(in crate::analysis) fn shifts<'a, A, B>(
     one: &'a [A],
     other: &'a [B],
     same: impl Fn(&A, &B) -> bool + 'a,

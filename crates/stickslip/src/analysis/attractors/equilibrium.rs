@@ -119,6 +119,16 @@ pub(super) fn resolves(
     Some(false)
 }
 
+/// Newton's step from a moment towards an equilibrium of a mode, in the first `free` components.
+pub(in crate::analysis) fn newton_step_at(
+    system: &dyn Dynamics,
+    mode: Modes,
+    at: &Moment,
+    free: usize,
+) -> Option<Vector> {
+    newton_step(system, mode, at, &jacobian_of(system, mode, at), free)
+}
+
 /// Newton's step towards an equilibrium.
 fn newton_step(
     system: &dyn Dynamics,

@@ -10,6 +10,7 @@ mod search;
 mod tolerance;
 mod trap;
 
+pub(super) use attractor::shifts;
 pub use attractor::{Attractor, AttractorKind};
 pub use distinct::Attractors;
 pub(super) use tolerance::SOLVER_TOLERANCES;

@@ -2,14 +2,15 @@
 
 use std::ops::ControlFlow;
 
-use super::{NotFollowed, SweepPoint, WhatChanges};
-use crate::analysis::attractors::{Attractor, AttractorKind};
+use super::{NotFollowed, SweepPoint, WhatChanges, is_change};
+use crate::analysis::attractors::equilibrium::newton_step_at;
+use crate::analysis::attractors::{Attractor, AttractorKind, shifts};
 use crate::analysis::continuation::{
     Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stop,
-    continue_equilibrium,
+    continue_equilibrium, is_led,
 };
 use crate::analysis::cycle::StepBudget;
-use crate::dynamics::{Dynamics, DynamicsRef, Vector};
+use crate::dynamics::{Dynamics, DynamicsRef, Moment, Vector};
 use crate::filippov::Options;
 
 /// A change counts as hit by a value of the sweep up to this distance behind it, as a fraction of
@@ -44,6 +45,7 @@ pub(super) fn locate(
     };
     let loops = ends.map(|end| loops(&end.reached, forcing.is_some()));
     let phases = ends.map(|end| &end.reached);
+    let is_quiet = !is_change(phases[0], phases[1]);
     let (mut found, mut why_not) = ([LocatedChange::default(), LocatedChange::default()], None);
     // The orbit of fewer loops takes fewer steps, and may explain the other one.
     let are_orbits = loops.iter().all(|&loops| loops > 0);
@@ -72,6 +74,10 @@ pub(super) fn locate(
         }
         let towards = [ends[from], ends[1 - from]];
         let located = LocatedChange::from(system, towards, forcing, (options, budget));
+        // One branch has both, and nothing happens on it.
+        if is_quiet && located.arrives == Some(true) && located.smooth.is_none() {
+            return Vec::new();
+        }
         // What ends for want of steps looks as if it had no continuation.
         if budget.is_some_and(StepBudget::is_spent) {
             why_not = Some(NotFollowed::Budget);
@@ -83,6 +89,7 @@ pub(super) fn locate(
             located.reversed()
         };
     }
+    let leads = found.each_ref().map(|one| one.arrives);
     let [first, second] = found;
     let width = other.parameter - one.parameter;
     let places = [first.place(), second.place()];
@@ -101,9 +108,11 @@ pub(super) fn locate(
             [named.or(smooth), None]
         }
     };
+    // The branch of one leads elsewhere, or it is not known where.
+    let jumps = !is_quiet || leads.contains(&Some(false));
     let why_not = why_not.map(WhatChanges::NotFollowed);
     let found: Vec<WhatChanges> = found.into_iter().flatten().chain(why_not).collect();
-    match found.is_empty() {
+    match found.is_empty() && jumps {
         true => vec![WhatChanges::Unlocated],
         false => found,
     }
@@ -173,7 +182,7 @@ pub(super) fn primary([one, other]: [WhatChanges; 2]) -> WhatChanges {
 /// Value at which the equilibrium loses its stability, or reaches the edge of its mode's domain.
 fn equilibrium(
     system: &dyn Dynamics,
-    from: &SweepPoint,
+    [from, to]: [&SweepPoint; 2],
     upwards: bool,
     settings: &ContinuationSettings,
     options: &Options,
@@ -181,7 +190,16 @@ fn equilibrium(
     let x = extended(&from.reached.points.first()?.x, from.parameter);
     let system = DynamicsRef::Borrowed(system);
     let branch = continue_equilibrium(&system, x, upwards, settings, options).ok()?;
-    let at = branch.special.into_iter().next()?;
+    let Some(at) = branch.special.into_iter().next() else {
+        let last = branch.points.last().map(|at| states(at.x.clone()));
+        let at = &to.reached.points.first()?.x;
+        let arrives = last.filter(|_| branch.stop == Stop::Range);
+        let arrives = arrives.map(|last| is_led((last - at).norm(), 0.0, at.norm()));
+        return Some(LocatedChange {
+            arrives,
+            ..LocatedChange::default()
+        });
+    };
     let (parameter, x) = (at.parameter, states(at.x));
     let named = match at.what {
         EquilibriumBifurcation::Boundary { .. } => {
@@ -198,7 +216,7 @@ fn equilibrium(
     };
     Some(LocatedChange {
         named: Some(named),
-        smooth: None,
+        ..LocatedChange::default()
     })
 }
 
@@ -206,20 +224,17 @@ fn equilibrium(
 /// reach the unit circle before.
 fn orbit(
     system: &dyn Dynamics,
-    from: &SweepPoint,
+    [from, to]: [&SweepPoint; 2],
     (period, upwards): (f64, bool),
     settings: &ContinuationSettings,
-    (options, budget): (&Options, Option<&StepBudget>),
+    how: (&Options, Option<&StepBudget>),
 ) -> Option<LocatedChange> {
-    // From a start in slip, the next stick removes its error. With a forcing, the orbit begins at
-    // the strobe.
-    let mut phases = from.reached.phases.iter();
-    let slip = phases.find(|phase| settings.forced.is_none() && !phase.mode.any_sticks());
-    let points = || from.reached.points.first().map(|at| &at.x);
-    let x = slip.map(|phase| &phase.x_start).or_else(points)?;
-    let start = (extended(x, from.parameter), period, upwards);
-    let mut continuation =
-        Continuation::begin(system, start, settings, (None, options), budget).ok()?;
+    let budget = how.1;
+    let mut continuation = begun(system, from, (period, upwards), settings, how)?;
+    let returns = match to.reached.kind {
+        AttractorKind::Periodic { returns, .. } => returns,
+        _ => 1,
+    };
     let ends = |what: &CycleBifurcation| {
         matches!(what, CycleBifurcation::Sequence(_) | CycleBifurcation::Fold)
     };
@@ -234,10 +249,16 @@ fn orbit(
         let x = states(x);
         return Some(LocatedChange {
             named: Some(WhatChanges::BoundaryEquilibrium { parameter, x }),
-            smooth: None,
+            ..LocatedChange::default()
         });
     }
-    let mut located = LocatedChange::default();
+    let mut located = LocatedChange {
+        arrives: match stop {
+            Stop::Range => Some(continuation.is_at(&on_orbit(to, settings)?, returns)),
+            _ => None,
+        },
+        ..LocatedChange::default()
+    };
     for at in continuation.into_branch(stop).special {
         match at.what {
             CycleBifurcation::Sequence(mut change) => {
@@ -258,6 +279,118 @@ fn orbit(
     Some(located)
 }
 
+/// The branch of an orbit at a value, begun there.
+fn begun<'a>(
+    system: &'a dyn Dynamics,
+    from: &SweepPoint,
+    (period, upwards): (f64, bool),
+    settings: &'a ContinuationSettings,
+    (options, budget): (&'a Options, Option<&'a StepBudget>),
+) -> Option<Continuation<'a>> {
+    let start = (on_orbit(from, settings)?.x, period, upwards);
+    Continuation::begin(system, start, settings, (None, options), budget).ok()
+}
+
+/// The period of an orbit of a driven system.
+fn forced(
+    system: &dyn Dynamics,
+    at: &SweepPoint,
+    returns: usize,
+    forcing: Option<f64>,
+) -> Option<f64> {
+    // The forcing's own period is known exactly.
+    let drive = system.period(&extended(&at.reached.x, at.parameter));
+    let drive = drive.map(|(period, _)| period);
+    forcing.map(|one| drive.unwrap_or(one) * returns as f64)
+}
+
+/// Whether attractors that do not differ in kind or phases are where the tangents of their branches
+/// lead from each other. Also where no tangent is known, as in a family.
+pub(super) fn is_smooth(
+    system: &dyn Dynamics,
+    ends: [&SweepPoint; 2],
+    forcing: Option<f64>,
+    how: (&Options, Option<&StepBudget>),
+) -> bool {
+    if is_unmoved(ends.map(|at| &at.reached)) {
+        return true;
+    }
+    let both = match ends.map(|at| &at.reached.kind) {
+        [
+            &AttractorKind::Periodic {
+                returns: one,
+                period: of_one,
+            },
+            &AttractorKind::Periodic {
+                returns: other,
+                period: of_other,
+            },
+        ] => {
+            let (returns, periods) = ([one, other], [of_one, of_other]);
+            let settings = [0, 1].map(|k| ContinuationSettings {
+                forced: forced(system, ends[k], returns[k], forcing),
+                ..ContinuationSettings::over(ends[0].parameter, ends[1].parameter)
+            });
+            let branch = |k: usize| begun(system, ends[k], (periods[k], true), &settings[k], how);
+            let (Some(one), Some(other)) = (branch(0), branch(1)) else {
+                return true;
+            };
+            [
+                one.leads_to(&other, returns[1]),
+                other.leads_to(&one, returns[0]),
+            ]
+        }
+        [AttractorKind::Equilibrium, AttractorKind::Equilibrium] => {
+            let [one, other] = ends;
+            [[one, other], [other, one]].map(|ends| equilibrium_leads_to(system, ends))
+        }
+        _ => return true,
+    };
+    both.iter().all(|leads| *leads != Some(false))
+}
+
+/// Whether two attractors differ by less than orbits of a branch are told apart by, at the ends of
+/// their phases and at their points.
+fn is_unmoved([one, other]: [&Attractor; 2]) -> bool {
+    let ends = one.phases.iter().map(|phase| &phase.x_start);
+    let mut places = ends.chain(one.points.iter().map(|at| &at.x));
+    let Some(first) = places.next() else {
+        return false;
+    };
+    let extent = places.map(|x| (x - first).norm()).fold(0.0, f64::max);
+    let is_near = |a: &Moment, b: &Moment| is_led((&a.x - &b.x).norm(), 0.0, extent);
+    let mut shifts = shifts(&one.points, &other.points, is_near);
+    shifts.next().is_some()
+}
+
+/// Whether an equilibrium is where Newton's step at its value leads from another one.
+fn equilibrium_leads_to(system: &dyn Dynamics, [from, to]: [&SweepPoint; 2]) -> Option<bool> {
+    let [one, other] = [from, to].map(|at| at.reached.points.first().map(|at| &at.x));
+    let (one, other) = (one?, other?);
+    let at = Moment {
+        t: 0.0,
+        x: extended(one, to.parameter),
+    };
+    let step = newton_step_at(system, from.reached.mode, &at, one.len())?;
+    let missed = (states(at.x + step) - other).norm();
+    let moved = (one - other).norm();
+    Some(is_led(missed, moved, one.norm().max(other.norm())))
+}
+
+/// A moment on the orbit at a value, with the parameter in its state.
+fn on_orbit(of: &SweepPoint, settings: &ContinuationSettings) -> Option<Moment> {
+    // From a start in slip, the next stick removes its error. With a forcing, the orbit begins at
+    // the strobe.
+    let mut phases = of.reached.phases.iter();
+    let slip = phases.find(|phase| settings.forced.is_none() && !phase.mode.any_sticks());
+    let points = || of.reached.points.first().map(|at| &at.x);
+    let x = slip.map(|phase| &phase.x_start).or_else(points)?;
+    Some(Moment {
+        t: 0.0,
+        x: extended(x, of.parameter),
+    })
+}
+
 /// A state followed by the parameter.
 fn extended(x: &Vector, parameter: f64) -> Vector {
     x.clone().push(parameter)
@@ -272,6 +405,8 @@ fn states(x: Vector) -> Vector {
 /// The change located from one side.
 #[derive(Default)]
 struct LocatedChange {
+    /// Whether the branch leads to the attractor at the other value; `None` where it ends before.
+    arrives: Option<bool>,
     /// Change by a vanishing event function, or by an equilibrium that loses its stability or
     /// reaches the edge of its mode's domain.
     named: Option<WhatChanges>,
@@ -289,21 +424,25 @@ impl LocatedChange {
     ) -> Self {
         let (here, there) = (from.parameter, to.parameter);
         let settings = ContinuationSettings {
-            step: budget.map_or(LONGEST_STEP, |_| LONGEST_STEP_WITHIN_BUDGET),
+            // Attractors of the same phases are compared by where the branch leads, and a long step
+            // may lead to the other one.
+            step: match budget {
+                Some(_) if is_change(&from.reached, &to.reached) => LONGEST_STEP_WITHIN_BUDGET,
+                _ => LONGEST_STEP,
+            },
             ..ContinuationSettings::over(here, there + NEXT_TO * (there - here))
         };
         let upwards = there > here;
         let found = match from.reached.kind {
-            AttractorKind::Equilibrium => equilibrium(system, from, upwards, &settings, options),
+            AttractorKind::Equilibrium => {
+                equilibrium(system, [from, to], upwards, &settings, options)
+            }
             AttractorKind::Periodic { returns, period } => {
-                // The forcing's own period is known exactly.
-                let drive = system.period(&extended(&from.reached.x, here));
-                let drive = drive.map(|(period, _)| period);
-                let forced = forcing.map(|one| drive.unwrap_or(one) * returns as f64);
+                let forced = forced(system, from, returns, forcing);
                 let settings = ContinuationSettings { forced, ..settings };
                 orbit(
                     system,
-                    from,
+                    [from, to],
                     (period, upwards),
                     &settings,
                     (options, budget),

@@ -292,7 +292,8 @@ fn point(
 }
 
 /// Locates the changes between the attractors at neighbouring values of a sweep: where the kind of
-/// motion, the phases or the mode of rest differ. There is one between two values; or two, where
+/// motion, the phases or the mode of rest differ, or where the tangents of their branches do not
+/// lead from one to the other. There is one between two values; or two, where
 /// one orbit ends and an unrelated one begins.
 ///
 /// **The parameter is the last state of `system`**, as in [`super::continue_periodic_orbit`]. The
@@ -376,9 +377,11 @@ fn located(
                 bound: "one more than in the sweep: the parameter is the last",
             });
         }
-        if is_change(&one.reached, &other.reached) {
+        let within = (options, budget);
+        if is_change(&one.reached, &other.reached)
+            || !change::is_smooth(system, [one, other], forcing, within)
+        {
             let between = (one.parameter, other.parameter);
-            let within = (options, budget);
             let found = change::locate(system, [one, other], forcing, within).into_iter();
             of_pairs.extend(found.map(|what| AttractorChange { between, what }));
         }
@@ -400,13 +403,15 @@ pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> 
     }
 }
 
-/// Whether two attractors at neighbouring values differ in kind, in their phases, or in the mode of
-/// an equilibrium, so that [`locate_changes`] searches for a change between them.
+/// Whether two attractors at neighbouring values differ in kind, in their returns or phases, or in
+/// the mode of an equilibrium, so that there is a change between them. Others may have jumped:
+/// [`locate_changes`] compares them with the tangents of their branches.
 pub fn is_change(one: &Attractor, other: &Attractor) -> bool {
     match (&one.kind, &other.kind) {
-        (AttractorKind::Periodic { .. }, AttractorKind::Periodic { .. }) => {
-            !one.has_sequence_of(other)
-        }
+        (
+            AttractorKind::Periodic { returns: p, .. },
+            AttractorKind::Periodic { returns: q, .. },
+        ) => p != q || !one.has_sequence_of(other),
         // In slip or on the boundary.
         (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => one.mode != other.mode,
         (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),

@@ -25,6 +25,10 @@ const AT_REST: f64 = 1e-3;
 /// to a fold.
 pub(super) const SAME_ORBIT: f64 = 1e-6;
 
+/// Distance below which an orbit of a branch and an attractor are the same, as a fraction of the
+/// extent. Chosen: orbits have come so near to their attractors, and jumps lead farther away.
+const SAME_ATTRACTOR: f64 = 1e-3;
+
 /// Largest distance of an orbit from the equilibrium in which it ends, as a fraction of the widest
 /// orbit's extent. Chosen.
 const LARGEST_DISTANCE: f64 = 1e-2;
@@ -288,10 +292,55 @@ impl Continuation<'_> {
         self.begins_on_other || !line.is_some_and(is_opposite)
     }
 
+    /// Whether another orbit is where the tangent of the branch at the last one leads, rather than
+    /// where the last one is. Driven ones have so many periods of the drive. `None` where that could
+    /// not be computed.
+    pub(in crate::analysis) fn leads_to(&self, other: &Self, returns: usize) -> Option<bool> {
+        let other = &other.branch.last;
+        let line = self.branch.line.as_ref()?;
+        let s = (parameter_of(other) - self.parameter()) / line.heading();
+        let ahead = self.shooting.evaluated(&line.guess(s))?;
+        let away = |one: &Cycle| self.distance(&one.anchor, other, returns);
+        let [moved, missed] = [&self.branch.last, &ahead].map(away);
+        let is_single = self.shooting.family == 0;
+        let led = is_led(missed?, moved?, self.branch.last.extent);
+        is_single.then_some(led)
+    }
+
+    /// Distance of an orbit from a moment. A driven one may begin in any period of the drive.
+    fn distance(&self, at: &Moment, orbit: &Cycle, returns: usize) -> Option<f64> {
+        let away = |k: usize| {
+            let later = Moment {
+                t: at.t + orbit.period * k as f64 / returns as f64,
+                x: at.x.clone(),
+            };
+            let off = offset_from(&self.shooting, &later, orbit)?;
+            Some(off.rows(0, self.shooting.states).norm())
+        };
+        let begins = self.shooting.forced.map_or(1, |_| returns);
+        let all = (0..begins).filter_map(away);
+        all.min_by(f64::total_cmp)
+    }
+
+    /// Whether a moment lies on the last orbit, to the accuracy of an attractor.
+    pub(in crate::analysis) fn is_at(&self, at: &Moment, returns: usize) -> bool {
+        let last = &self.branch.last;
+        let off = self.distance(at, last, returns);
+        off.is_some_and(|off| is_led(off, 0.0, last.extent))
+    }
+
     /// The vector to an orbit from the first one's anchor, as [`offset_from`].
     pub(super) fn offset_from_first(&self, found: &Cycle) -> Option<Vector> {
         offset_from(&self.shooting, &self.branch.first.anchor, found)
     }
+}
+
+/// Whether a solution that has moved so far from another one is where that leads: what it misses
+/// is a small part of the way, or of its size.
+pub(in crate::analysis) fn is_led(missed: f64, moved: f64, size: f64) -> bool {
+    // Chosen: a branch that bends more, or jumps, is followed.
+    const LARGEST_PART: f64 = 0.5;
+    missed <= LARGEST_PART * moved || missed <= SAME_ATTRACTOR * size
 }
 
 /// The vector to an orbit from a moment of another one, where it is shortest; of a driven orbit, at

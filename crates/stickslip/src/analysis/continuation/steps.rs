@@ -274,7 +274,8 @@ impl<'a> Continuation<'a> {
         }
         let onward = line.continued(&self.shooting, self.branch.units, &next);
         let bends = |onward: &TangentLine| !line.bends_little(onward);
-        if onward.as_ref().is_some_and(bends) {
+        let strays = line.strays(&self.shooting, self.branch.units, &next);
+        if strays || onward.as_ref().is_some_and(bends) {
             return self.shorten(step, 0.5);
         }
         // Beside a flip, Newton's method may lead to the half's branch.

@@ -120,6 +120,19 @@ impl TangentLine {
         self.row.dot(&other.direction) >= LEAST_COSINE
     }
 
+    /// Whether an orbit lies farther from it than a branch does that bends little on the way there:
+    /// where there is none, Newton's iteration may lead to another branch.
+    pub fn strays(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> bool {
+        // Largest distance from the line, as a fraction of the way on it. Chosen: twice that of an
+        // arc that turns as far as it may.
+        const FARTHEST: f64 = 0.5;
+        let s = self.place(cycle);
+        let off = cycle.outline.unknowns() - self.guess(s).unknowns();
+        let weights = units.weights(cycle, shooting.forced.is_some());
+        let square = off.component_mul(&off).dot(&weights);
+        !self.is_of_families && square > (FARTHEST * s) * (FARTHEST * s)
+    }
+
     /// The row of the planes across it.
     pub fn across(&self) -> &Vector {
         &self.row
