@@ -32,7 +32,9 @@ pub(crate) fn within(value: f64, uncertainty: f64) -> String {
     }
     let decimals = (1.0 - math::log10(uncertainty).floor()).max(0.0);
     if decimals > MOST {
-        return format!("{value:.2e} ± {uncertainty:.0e}");
+        let digits = math::log10(value.abs()).floor() - math::log10(uncertainty).floor();
+        let digits = (1.0 + digits).clamp(0.0, MOST) as usize;
+        return format!("{value:.digits$e} ± {uncertainty:.0e}");
     }
     let text = format!("{value:.0$}", decimals as usize);
     // Zero after rounding has no sign.

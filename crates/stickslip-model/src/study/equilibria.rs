@@ -6,7 +6,7 @@ use stickslip::analysis::{
     EquilibriumCurve, EquilibriumPoint, RecurrenceSettings, SpecialEquilibrium, Stop, attractor,
     continue_special_equilibrium,
 };
-use stickslip::dynamics::DynamicsRef;
+use stickslip::dynamics::{DynamicsRef, Vector};
 use stickslip::{Error, Options};
 
 use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
@@ -53,6 +53,8 @@ pub struct EquilibriaOfBranch {
     pub points: Vec<EquilibriumPoint>,
     /// The special equilibria, in the same order.
     pub special: Vec<SpecialEquilibrium>,
+    /// Size of each state, [`EquilibriumBranch::sizes`].
+    pub sizes: Vector,
     /// Index of the equilibrium from which the branch was started.
     pub first: usize,
     /// Reasons for the ends of the branch, downwards and upwards.
@@ -72,15 +74,12 @@ impl EquilibriaOfBranch {
         (both, value, range): (&DynamicsRef<'_>, f64, (f64, f64)),
         settings: &ContinuationSettings,
     ) -> Result<Vec<(usize, Option<EquilibriumCurve>)>, Error> {
-        let sizes = self.points.iter();
-        let sizes = sizes.map(|at| at.x.rows(0, at.x.len() - 1).amax());
-        let size = sizes.fold(0.0, f64::max);
         let special: Vec<_> = self.special.iter().enumerate().collect();
         let special = special.into_par_iter();
         let special = special.filter(|(_, at)| at.what != EquilibriumBifurcation::BranchPoint);
         let curve = |(k, at): (usize, &SpecialEquilibrium)| {
             let how = (settings, range);
-            match continue_special_equilibrium(both, at, (value, size), how) {
+            match continue_special_equilibrium(both, at, (value, &self.sizes), how) {
                 Ok(curve) => Ok((k, Some(curve))),
                 Err(Error::NotFound { .. }) => Ok((k, None)),
                 Err(error) => Err(error),
@@ -90,7 +89,18 @@ impl EquilibriaOfBranch {
     }
 
     /// Joins both directions.
-    pub fn joined([down, up]: [EquilibriumBranch; 2]) -> Self {
+    pub fn joined([mut down, mut up]: [EquilibriumBranch; 2]) -> Self {
+        // A closed branch is the same in the other direction.
+        let same = match (&down.stop, &up.stop) {
+            (Stop::Closed, _) => Some(&mut up),
+            (_, Stop::Closed) => Some(&mut down),
+            _ => None,
+        };
+        if let Some(same) = same {
+            same.points.truncate(1);
+            same.special.clear();
+            same.stop = Stop::Closed;
+        }
         // Both directions contain the first equilibrium.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();
@@ -113,6 +123,7 @@ impl EquilibriaOfBranch {
         EquilibriaOfBranch {
             points: below.chain(up.points).collect(),
             special: special_below.chain(special_above).collect(),
+            sizes: down.sizes.sup(&up.sizes),
             first,
             stops: [down.stop, up.stop],
         }

@@ -583,6 +583,44 @@ fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
     }
 }
 
+/// A pressure and a length, `z' = z (1 - (z/s)²) + a` with `y = z + r (p - P)`. The folds are those
+/// of `z` alone, at `|a| = 2 s/(3 √3)`, whatever the size `P` of the pressure is.
+fn pressure_and_length([pressure, length]: [f64; 2]) -> String {
+    let ratio = 0.01 * length / pressure;
+    format!(
+        "name = \"sizes\"\n[states]\np = \"Pa\"\ny = \"m\"\n[parameters]\na = 0\n\
+         [definitions]\nrate = \"{pressure:?} - p\"\n\
+         z = \"y - {ratio:?}*(p - {pressure:?})\"\n\
+         [field]\np = \"rate\"\ny = \"z*(1 - (z/{length:?})^2) + a + {ratio:?}*rate\"\n\
+         [start]\np = {pressure:?}\ny = {length:?}\n"
+    )
+}
+
+/// Pressures and lengths of very different sizes.
+const SIZES: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, 1e-4], [1e5, 1e-4], [1e3, 1e-2]];
+
+#[test]
+fn folds_of_equilibria_are_found_whatever_the_sizes_of_states_are() {
+    for [pressure, length] in SIZES {
+        let text = pressure_and_length([pressure, length]);
+        let (_, branch) = equilibria(&text, ("a", -length, length));
+        assert_eq!(
+            branch.stops,
+            [Stop::Range, Stop::Range],
+            "{pressure} {length}"
+        );
+        let exact = 2.0 / (3.0 * 3.0_f64.sqrt());
+        assert_eq!(branch.special.len(), 2, "{:?}", branch.special);
+        for (at, sign) in branch.special.iter().zip([1.0, -1.0]) {
+            assert_eq!(at.what, EquilibriumBifurcation::Fold);
+            assert!(
+                (at.parameter / length - sign * exact).abs() < 1e-9,
+                "{at:?}"
+            );
+        }
+    }
+}
+
 /// At `a = 0` the equilibrium of the sliding field reaches a two-fold, where it is 0/0. Below it
 /// sliding repels, and beyond `a = -1` the boundary is crossed.
 #[test]

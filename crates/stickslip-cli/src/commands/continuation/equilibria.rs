@@ -28,6 +28,7 @@ pub(super) fn report(
         special,
         first,
         stops,
+        ..
     } = branch;
     let count = points.len();
     let what = format!("{count} equilibria over {}", range.words());

@@ -14,7 +14,7 @@ use crate::analysis::attractors::equilibrium::{
 };
 use crate::analysis::critical::RESOLVED_PLACE;
 use crate::analysis::cycle::{
-    AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, unit, with_last_digits,
+    AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, resolved, unit, with_last_digits,
 };
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
@@ -105,8 +105,11 @@ pub struct EquilibriumBranch {
     pub points: Vec<EquilibriumPoint>,
     /// The special ones between them, in the same order.
     pub special: Vec<SpecialEquilibrium>,
-    /// Reason for the end of the branch. It is an end of the range, the requested number of points,
-    /// a boundary with no equilibrium behind it, or an equilibrium that could not be computed.
+    /// Size of each state on the branch.
+    pub sizes: Vector,
+    /// Reason for the end of the branch. It is an end of the range, the first equilibrium of a
+    /// closed branch, the requested number of points, a boundary with no equilibrium behind it, or
+    /// an equilibrium that could not be computed.
     pub stop: Stop,
 }
 
@@ -167,15 +170,15 @@ pub fn continue_equilibrium<Kind>(
     let last = at.x.len() - 1;
     let rate = system.flow(mode, &at).velocity(&at)[last];
     check_rate(rate)?;
-    let mut units = Vector::repeat(last + 1, at.x.rows(0, last).amax());
+    let largest = at.x.rows(0, last).amax();
+    let largest = if largest > 0.0 { largest } else { 1.0 };
+    let mut units = Vector::repeat(last + 1, largest);
     units[last] = width;
-    if units[0] == 0.0 {
-        units.rows_mut(0, last).fill(1.0);
-    }
-    let continuation = EquilibriumContinuation {
+    let mut continuation = EquilibriumContinuation {
         system,
         settings,
         units,
+        largest,
         parameters: 1,
     };
     let by_parameter = unit(last + 1, last);
@@ -183,13 +186,18 @@ pub fn continue_equilibrium<Kind>(
     let is_held = |one: &BranchEquilibrium| holds(system, one.mode, &one.at);
     let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
     let first = modes.filter_map(near).find(is_held);
-    let first = first
-        .filter(|one| continuation.is_isolated(one))
-        .ok_or(Error::NotFound {
-            what: "an equilibrium near the start of the branch that is none of a set of equilibria",
-            t: at.t,
-            span: 0.0,
-        })?;
+    if let Some(first) = &first {
+        continuation.units = continuation.units_at(first, options);
+    }
+    let by_own_units = |one: BranchEquilibrium| {
+        let again = continuation.solve(one.mode, &one.at.x, &[&by_parameter]);
+        again.filter(|one| continuation.is_isolated(one))
+    };
+    let first = first.and_then(by_own_units).ok_or(Error::NotFound {
+        what: "an equilibrium near the start of the branch that is none of a set of equilibria",
+        t: at.t,
+        span: 0.0,
+    })?;
     let sign = if upwards { 1.0 } else { -1.0 };
     Ok(continuation.follow(first, &(by_parameter * sign)))
 }
@@ -207,7 +215,7 @@ fn others(mode: Modes, contact: usize) -> impl Iterator<Item = Modes> {
 }
 
 /// Rounding of a difference, as a fraction of its terms: of about so many operations.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+pub(super) const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 #[derive(Clone)]
 pub(super) struct BranchEquilibrium {
@@ -271,6 +279,8 @@ pub(super) struct EquilibriumContinuation<'a> {
     pub settings: &'a ContinuationSettings,
     /// Sizes of the components.
     pub units: Vector,
+    /// The largest size that a state may have at the first equilibrium.
+    pub largest: f64,
     /// Number of components that are parameters: the last ones.
     pub parameters: usize,
 }
@@ -363,22 +373,25 @@ impl EquilibriumContinuation<'_> {
             let size = step.component_div(&self.units).amax();
             // The last step is rounding once it is not smaller than the one before.
             if size <= f64::EPSILON || size >= 0.5 * last {
-                // The residual of a least-squares solution is not rounding.
-                let is_zero = |size: f64| size <= ZERO * ZERO.sqrt();
-                let off = right.amax() / self.units.amax();
+                // The residual of a least-squares solution is not rounding. Each equation and each
+                // rate is compared with its own terms, which may differ by any factor.
+                let within = |values: &Vector, terms: &Vector| {
+                    let mut pairs = values.iter().zip(terms);
+                    pairs.all(|(value, terms)| value.abs() <= ZERO * ZERO.sqrt() * terms)
+                };
+                let sizes = at.x.abs().sup(&self.units);
+                let solves = within(&right, &(equations.abs() * &sizes));
                 let velocity = self.system.flow(mode, &at).velocity(&at);
-                let speed = (terms(self.system, mode, &at, &jacobian) * &self.units).amax();
-                let is_at_rest = velocity.amax() <= ZERO * ZERO.sqrt() * speed;
+                let terms = terms(self.system, mode, &at, &jacobian);
+                let is_at_rest = within(&velocity, &(terms * &sizes));
                 let along = along_boundaries(self.system, mode, &at, &jacobian, states);
-                return (is_zero(size) && is_zero(off) && is_at_rest).then_some(
-                    BranchEquilibrium {
-                        mode,
-                        at,
-                        equations,
-                        along,
-                        iterations,
-                    },
-                );
+                return (size <= ZERO && solves && is_at_rest).then_some(BranchEquilibrium {
+                    mode,
+                    at,
+                    equations,
+                    along,
+                    iterations,
+                });
             }
             last = size;
             at.x += step;
@@ -423,6 +436,12 @@ impl EquilibriumContinuation<'_> {
         let mut scaled = one.equations.clone();
         for (k, unit) in self.units.iter().enumerate() {
             scaled.column_mut(k).scale_mut(*unit);
+        }
+        for mut row in scaled.row_iter_mut() {
+            let size = row.amax();
+            if size > 0.0 {
+                row /= size;
+            }
         }
         let parts = scaled.svd(false, true);
         (parts.singular_values, parts.v_t)
@@ -560,26 +579,50 @@ impl EquilibriumContinuation<'_> {
         })
     }
 
-    fn follow(&self, first: BranchEquilibrium, row: &Vector) -> EquilibriumBranch {
+    /// The units at the first equilibrium of a branch. A state has its own size there or, if that
+    /// is more, that of its change over the parameter's range by its rate along the branch. A state
+    /// of which both are within the tolerances has the largest size.
+    fn units_at(&self, first: &BranchEquilibrium, options: &Options) -> Vector {
+        let (x, last) = (&first.at.x, self.units.len() - 1);
+        let line = self.tangent(first, &unit(last + 1, last));
+        let mut units = self.units.clone();
+        for i in 0..last {
+            let rate = |line: &EquilibriumTangent| (line.direction[i] / line.heading()).abs();
+            let change = line.as_ref().map_or(0.0, rate) * units[last];
+            let own = x[i].abs().max(change).min(self.largest);
+            if own > resolved(options.allowed(i, x[i].abs())) {
+                units[i] = own;
+            }
+        }
+        units
+    }
+
+    fn follow(mut self, first: BranchEquilibrium, row: &Vector) -> EquilibriumBranch {
         let mut branch = EquilibriumBranch {
             points: vec![first.point()],
             special: Vec::new(),
+            sizes: Vector::zeros(0),
             stop: Stop::NoConvergence,
         };
         if let Some(line) = self.tangent(&first, row) {
             branch.stop = self.go_on(&mut branch, first, line);
         }
+        let states = self.units.len() - 1;
+        let points = branch.points.iter().map(|at| at.x.rows(0, states).abs());
+        let units = self.units.rows(0, states).into_owned();
+        branch.sizes = points.fold(units, |sizes, x| sizes.sup(&x));
         branch
     }
 
     /// Follows the branch to its end.
     fn go_on(
-        &self,
+        &mut self,
         branch: &mut EquilibriumBranch,
         mut last: BranchEquilibrium,
         mut line: EquilibriumTangent,
     ) -> Stop {
         let (low, high) = self.settings.range;
+        let begin = (last.clone(), line.row.clone());
         let mut step = 0.1 * self.settings.step;
         loop {
             let (here, heading) = (last.parameter(), line.heading());
@@ -604,13 +647,20 @@ impl EquilibriumContinuation<'_> {
                 continue;
             };
             let length = line.row.dot(&(&next.at.x - &line.from));
-            let Some(zeros) = self.between(&line, (&last, &next), length) else {
+            let Some(mut zeros) = self.between(&line, (&last, &next), length) else {
                 step *= 0.3;
                 continue;
             };
+            let closes = (branch.points.len() > 3).then(|| self.closes(&begin, &line, length));
+            let closes = closes.flatten();
+            zeros.retain(|(zero, _)| closes.is_none_or(|s| zero.s < s));
             match self.record(branch, &line, zeros, length) {
                 Some(Err(stop)) => return stop,
                 Some(Ok(behind)) => (last, line) = behind,
+                None if closes.is_some() => {
+                    branch.points.push(begin.0.point());
+                    return Stop::Closed;
+                }
                 None if is_at_end => {
                     branch.points.push(next.point());
                     return Stop::Range;
@@ -619,10 +669,33 @@ impl EquilibriumContinuation<'_> {
                     let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
                     step = (longer * step).min(self.settings.step);
                     branch.points.push(next.point());
+                    let states = self.units.len() - 1;
+                    for (size, own) in self.units.iter_mut().zip(&next.at.x).take(states) {
+                        *size = size.max(own.abs());
+                    }
                     (last, line) = (next, onward);
                 }
             }
         }
+    }
+
+    /// The place of the first equilibrium of the branch on a line, if the branch passes it there in
+    /// the direction in which it began.
+    fn closes(
+        &self,
+        (first, row): &(BranchEquilibrium, Vector),
+        line: &EquilibriumTangent,
+        length: f64,
+    ) -> Option<f64> {
+        let s = line.row.dot(&(&first.at.x - &line.from));
+        let is_passed = first.mode == line.mode && (0.0..=length).contains(&s);
+        let found = is_passed.then(|| self.on(line).on(s))??;
+        (self.are_same(&found.at.x, &first.at.x) && row.dot(&line.direction) > 0.0).then_some(s)
+    }
+
+    /// Whether the place on a line determines two states as one.
+    pub fn are_same(&self, one: &Vector, other: &Vector) -> bool {
+        (one - other).component_div(&self.units).amax() <= ZERO
     }
 
     /// The equilibrium after a step on a line, or at the end of the range if that comes first; and

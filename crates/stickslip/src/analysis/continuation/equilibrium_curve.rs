@@ -7,7 +7,7 @@ use nalgebra::Complex;
 use super::curve::others;
 use super::equilibrium::{
     BranchEquilibrium, EquilibriaOnLine, EquilibriumBifurcation, EquilibriumContinuation,
-    EquilibriumTangent, SpecialEquilibrium,
+    EquilibriumTangent, ROUNDING, SpecialEquilibrium,
 };
 use super::steps::SHORTEST_STEP;
 use super::tangent_line::LEAST_COSINE;
@@ -16,7 +16,7 @@ use crate::analysis::attractors::equilibrium::ZERO;
 use crate::analysis::critical::RESOLVED_PLACE;
 use crate::analysis::cycle::{Path, with_last_digits};
 use crate::dynamics::{AsDynamics, Modes, Moment, Vector};
-use crate::error::Error;
+use crate::error::{Error, require};
 
 /// A bifurcation of codimension two, at an equilibrium on a curve in two parameters (Kuznetsov
 /// 2004, Ch. 8; di Bernardo, Budd, Champneys & Kowalczyk 2008, Ch. 5).
@@ -102,8 +102,8 @@ pub struct EquilibriumCurve {
 /// In the plane across the curve, equilibria form a branch. The function that vanishes at the
 /// special equilibrium has a zero on it. At a fold it is the determinant of the Jacobian. At a Hopf
 /// bifurcation it is the sum of a pair of eigenvalues, and at a boundary equilibrium a guard of the
-/// mode. So curves pass their own folds, and curves of folds pass cusps. `size` is the size of the
-/// states, in whose unit steps are measured.
+/// mode. So curves pass their own folds, and curves of folds pass cusps. `sizes` are those of the
+/// states, [`super::EquilibriumBranch::sizes`], in whose units steps are measured.
 ///
 /// # Errors
 /// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last two
@@ -136,7 +136,7 @@ pub struct EquilibriumCurve {
 /// let branch = continue_equilibrium(&Cusp::<2>, [1.0, 0.0], false, &settings, &options)?;
 /// let how = (&settings, (-1.0, 2.0));
 /// let at = &branch.special[0];
-/// let curve = continue_special_equilibrium(&Cusp::<3>, at, (1.0, 1.0), how)?;
+/// let curve = continue_special_equilibrium(&Cusp::<3>, at, (1.0, &branch.sizes), how)?;
 /// assert_eq!(curve.special[0].what, EquilibriumCurveBifurcation::Cusp);
 /// for point in &curve.points {
 ///     let [q, p] = point.parameters;
@@ -147,13 +147,21 @@ pub struct EquilibriumCurve {
 pub fn continue_special_equilibrium<Kind>(
     system: &impl AsDynamics<Kind>,
     at: &SpecialEquilibrium,
-    (other, size): (f64, f64),
+    (other, sizes): (f64, &Vector),
     (settings, range): (&ContinuationSettings, (f64, f64)),
 ) -> Result<EquilibriumCurve, Error> {
     settings.check()?;
     ContinuationSettings::over(range.0, range.1).check()?;
     let system = &*system.dynamics();
     let place = at.x.len() - 1;
+    let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+    let is_size = sizes.len() == place && least > 0.0 && sizes.amax() < f64::INFINITY;
+    require(
+        is_size,
+        "sizes",
+        least,
+        "positive and finite, one for each state",
+    )?;
     let x = at.x.clone().insert_row(place, other);
     check_start(&x, 2, settings)?;
     let begin = Moment { t: 0.0, x };
@@ -179,7 +187,8 @@ pub fn continue_special_equilibrium<Kind>(
         EquilibriumBifurcation::BranchPoint => None,
     };
     let condition = condition.ok_or(not_found.clone())?;
-    let mut units = Vector::repeat(place + 2, if size > 0.0 { size } else { 1.0 });
+    let largest = sizes.amax();
+    let mut units = sizes.clone().resize_vertically(place + 2, largest);
     units[place] = range.1 - range.0;
     units[place + 1] = settings.range.1 - settings.range.0;
     let curve = CurveOfEquilibria {
@@ -187,6 +196,7 @@ pub fn continue_special_equilibrium<Kind>(
             system,
             settings,
             units,
+            largest,
             parameters: 2,
         },
         mode: at.mode,
@@ -663,6 +673,14 @@ impl CurveOfEquilibria<'_> {
                     Condition::Guard(_) => Name::TwoBoundaries,
                 };
                 ends.push(end([a, b], &value, CurveStop::AnotherChange, Some(what))?);
+            } else if a <= 0.0 && b < 0.0 {
+                // The mode has no equilibrium where its guard is negative beyond rounding.
+                let x = &next.one.at.x;
+                let (gradient, _) = flow.guard_gradient(guard.number, &next.one.at);
+                let rounding = ROUNDING * gradient.abs().dot(&x.abs().sup(&self.of.units));
+                if b < -rounding {
+                    return Err(());
+                }
             }
         }
         let values = [at, next].map(CurveEquilibrium::parameters);
@@ -687,16 +705,13 @@ impl CurveOfEquilibria<'_> {
         (at, length): (&CurveEquilibrium, f64),
         first: &CurveEquilibrium,
     ) -> Option<End> {
-        // Distance to which a place on the curve determines the equilibrium, in units of the
-        // components. Chosen: above rounding, far below a step.
-        const SAME: f64 = 1e-7;
         let s = at.along.row.dot(&(&first.one.at.x - &at.along.from));
         if !(0.0..=length).contains(&s) {
             return None;
         }
         let found = self.next(at, s)?;
-        let off = (&found.one.at.x - &first.one.at.x).component_div(&self.of.units);
-        (off.amax() <= SAME).then(|| End {
+        let is_first = self.of.are_same(&found.one.at.x, &first.one.at.x);
+        is_first.then(|| End {
             located: Located {
                 s,
                 at: first.clone(),

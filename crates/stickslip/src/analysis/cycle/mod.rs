@@ -42,6 +42,12 @@ pub(super) fn closeness(options: &Options) -> f64 {
     TOLERANCES * options.coarsest()
 }
 
+/// Smallest length that orbits and equilibria resolve with this error of a step: a hundred times
+/// the residual in which they close.
+pub(super) fn resolved(allowed: f64) -> f64 {
+    TOLERANCES * TOLERANCES * allowed
+}
+
 /// The equations for a periodic orbit of a system.
 #[derive(Clone, Copy)]
 pub(crate) struct Shooting<'a> {

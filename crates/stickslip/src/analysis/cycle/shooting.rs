@@ -4,7 +4,8 @@ use super::equations::ShootingEquations;
 use super::newton::NewtonEquations;
 use super::pieces::Piece;
 use super::{
-    Cut, Cycle, Outline, SegmentKind, Shooting, TOLERANCES, ULPS, closeness, segment_to_cut,
+    Cut, Cycle, Outline, SegmentKind, Shooting, TOLERANCES, ULPS, closeness, resolved,
+    segment_to_cut,
 };
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
 use crate::filippov::Options;
@@ -313,7 +314,7 @@ impl<'a> Shooting<'a> {
 /// For an orbit at zero it is 1. A length below a hundred times the residual in which orbits close
 /// is not resolved, and counts as zero.
 fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
-    let least = TOLERANCES * TOLERANCES * options.coarsest();
+    let least = resolved(options.coarsest());
     let size = outline.begin.x.rows(0, states).amax();
     let mut lengths = [extent, size].into_iter();
     lengths.find(|one| *one > least).unwrap_or(1.0)

@@ -4,7 +4,7 @@ use stickslip::analysis::{
     ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch, Stability, Stop,
     continue_equilibrium,
 };
-use stickslip::{Error, Mode, Options, Side};
+use stickslip::{Error, Filippov, Mode, Options, Scalar, Side};
 
 use super::systems::{Persists, Pitchfork};
 use crate::attractors::systems::Rings;
@@ -125,4 +125,39 @@ fn a_start_beside_an_equilibrium_finds_its_mode_and_one_outside_the_range_is_ref
         ),
         "{error}"
     );
+}
+
+/// `x' = 1 - x² - p²`: the equilibria lie on a circle, which folds at p = ±1.
+struct Circle;
+
+impl Filippov<2> for Circle {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, [x, p]: &[T; 2]) -> [T; 2] {
+        [-*x * *x - *p * *p + 1.0, T::zero()]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, [x, _]: &[T; 2]) -> T {
+        *x - 9.0
+    }
+}
+
+#[test]
+fn a_closed_branch_ends_where_it_began() {
+    let (settings, options) = (ContinuationSettings::over(-2.0, 2.0), Options::tol(1e-12));
+    for upwards in [false, true] {
+        let found = continue_equilibrium(&Circle, [1.0, 0.1], upwards, &settings, &options);
+        let found = found.unwrap();
+        let sign = if upwards { 1.0 } else { -1.0 };
+        let folds: Vec<f64> = found.special.iter().map(|at| at.parameter * sign).collect();
+        let [one, other] = folds.as_slice() else {
+            panic!("{:?}", found.special);
+        };
+        assert!(
+            (one - 1.0).abs().max((other + 1.0).abs()) < 1e-12,
+            "{folds:?}"
+        );
+        assert_eq!(found.stop, Stop::Closed);
+        assert_eq!(found.points.last(), found.points.first());
+        for at in &found.points {
+            assert!((at.x.norm() - 1.0).abs() < 1e-12, "{at:?}");
+        }
+    }
 }

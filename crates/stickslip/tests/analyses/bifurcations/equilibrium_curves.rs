@@ -5,7 +5,7 @@ use stickslip::analysis::{
     EquilibriumCurveBifurcation, SpecialEquilibrium, continue_equilibrium,
     continue_special_equilibrium,
 };
-use stickslip::dynamics::DynamicsRef;
+use stickslip::dynamics::{DynamicsRef, Vector};
 use stickslip::{Error, Filippov, Options, Scalar, Side, math};
 
 use crate::compiled::Traced;
@@ -67,7 +67,7 @@ fn curve<S: Planar + Copy>(
     let curve = continue_special_equilibrium(
         &Traced::of(&Both(system)).dynamics(),
         at,
-        (q, 1.0),
+        (q, &branch.sizes),
         (&settings, other),
     );
     curve.unwrap()
@@ -339,8 +339,8 @@ fn of_pairs(number: usize) -> (Vec<SpecialEquilibrium>, Result<EquilibriumCurve,
     let branch = continue_equilibrium(&of_eight, start, false, &settings, &options);
     let special = branch.unwrap().special;
     let at = &special[number];
-    let how = (&settings, (-2.5, 2.5));
-    let curve = continue_special_equilibrium(&of_nine(), at, (0.5, 1.0), how);
+    let (how, ones) = ((&settings, (-2.5, 2.5)), Vector::repeat(7, 1.0));
+    let curve = continue_special_equilibrium(&of_nine(), at, (0.5, &ones), how);
     (special, curve)
 }
 
@@ -400,15 +400,16 @@ fn a_branch_point_has_no_curve_and_what_is_no_parameter_is_refused() {
         ..special[0].clone()
     };
     let settings = ContinuationSettings::over(-3.0, 3.0);
+    let ones = Vector::repeat(7, 1.0);
     let curve = |at: &SpecialEquilibrium, other: f64| {
         let how = (&settings, (-2.5, 2.5));
-        continue_special_equilibrium(&of_nine(), at, (other, 1.0), how)
+        continue_special_equilibrium(&of_nine(), at, (other, &ones), how)
     };
     let error = curve(&branch_point, 0.5).unwrap_err();
     assert!(matches!(error, Error::NotFound { .. }), "{error}");
     let outside = ContinuationSettings::over(1.0, 3.0);
     let how = (&outside, (-2.5, 2.5));
-    let error = continue_special_equilibrium(&of_nine(), &special[0], (0.5, 1.0), how);
+    let error = continue_special_equilibrium(&of_nine(), &special[0], (0.5, &ones), how);
     let error = error.unwrap_err();
     assert!(
         matches!(
@@ -446,10 +447,51 @@ fn boundary_equilibria_of_a_relay_of_one_state_are_followed_to_the_ends_of_the_r
         let branch =
             continue_equilibrium(&Relay::<2>, [0.0, 0.3], upwards, &settings, &options).unwrap();
         let how = (&settings, (0.1, 2.0));
-        let found = continue_special_equilibrium(&Relay::<3>, &branch.special[0], (1.0, 1.0), how);
+        let found = continue_special_equilibrium(
+            &Relay::<3>,
+            &branch.special[0],
+            (1.0, &branch.sizes),
+            how,
+        );
         let found = found.unwrap();
         let sign = if upwards { 1.0 } else { -1.0 };
         lies_on(&found, |[m, p]| p - sign * (m + m * m * 0.1), 1e-12);
         assert_eq!(found.stops, [CurveStop::Range; 2]);
     }
+}
+
+/// `x' = p + x - x³` folds at `|p| = 2/(3 √3)`. The boundary is q = 1, beside which the field is
+/// the same.
+struct Gate<const N: usize>;
+
+impl<const N: usize> Filippov<N> for Gate<N> {
+    fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; N]) -> [T; N] {
+        let mut rates = [T::zero(); N];
+        rates[0] = x[N - 1] + x[0] - x[0] * x[0] * x[0];
+        rates
+    }
+    fn boundary<T: Scalar>(&self, _t: T, x: &[T; N]) -> T {
+        if N == 3 { x[1] - 1.0 } else { T::constant(0.5) }
+    }
+}
+
+#[test]
+fn a_curve_does_not_go_where_a_guard_that_is_zero_at_its_beginning_is_negative() {
+    let settings = ContinuationSettings::over(-1.0, 1.0);
+    let options = Options::tol(1e-12);
+    let branch = continue_equilibrium(&Gate::<2>, [1.0, 0.0], false, &settings, &options).unwrap();
+    let (at, sizes, range) = (&branch.special[0], &branch.sizes, (0.0, 2.0));
+    let along =
+        |q: f64| continue_special_equilibrium(&Gate::<3>, at, (q, sizes), (&settings, range));
+    let found = along(1.0).unwrap();
+    assert_eq!(found.points[0].parameters[0], 1.0);
+    assert_eq!(found.points.last().unwrap().parameters[0], 2.0);
+    lies_on(
+        &found,
+        |[_, p]| p.abs() - 2.0 / (3.0 * 3.0_f64.sqrt()),
+        1e-12,
+    );
+    assert_eq!(found.stops, [CurveStop::NoConvergence, CurveStop::Range]);
+    // The mode has no equilibrium at q < 1 at all.
+    assert_eq!(along(0.5).unwrap().points.len(), 1);
 }
