@@ -337,7 +337,7 @@ def ensemble(
     Raises
     ------
     SystemError
-        If a parameter value is not allowed.
+        If a parameter value is not allowed, before any orbit is followed; it names the orbit.
     ValueError
         If starts and parameters are not for the same number of orbits.
     Interrupted
@@ -365,6 +365,8 @@ def ensemble(
     made = settings(options)
     rows = None if starts is None else rows_of_starts(system, starts)[0]
     names, values = _values(checked(system), parameters, None if rows is None else len(rows))
+    # Before any orbit is followed, since a refusal keeps none.
+    system._core.check_values(names, values)
     each = [dict(zip(names, row)) for row in values.tolist()]
     if rows is None:
         rows = np.array([_start(system, own) for own in each])

@@ -93,6 +93,14 @@ def test_a_failure_keeps_the_others():
     assert 0.4 < found.t_end[1] < 0.5 and np.isnan(found.nfev[1])
 
 
+@pytest.mark.parametrize("starts", [None, [0.3, 0.0]])
+def test_the_orbit_of_a_value_that_is_not_allowed_is_named(starts):
+    text = BLOCK.to_toml().replace("vp = 0.2", "vp = { value = 0.2, range = [0.05, 1] }")
+    ranged = ss.System.from_toml(text)
+    with pytest.raises(ss.SystemError, match="^orbit 2: vp = 5 is not allowed: its range"):
+        ss.ensemble(ranged, starts, (0, 1), parameters={vp: [0.1, 0.2, 5, 0.3]})
+
+
 def test_what_is_reduced_is_that_of_single_runs():
     def measure(sol):
         return [sol.t.size, len(sol.transitions), sol.y[0].max()]

@@ -55,6 +55,20 @@ impl System {
         Ok(System { compiled })
     }
 
+    /// Refuses values of parameters that the system cannot have, which are rows of orbits.
+    fn check_values(
+        &self,
+        names: Vec<String>,
+        values: numpy::PyReadonlyArray2<'_, f64>,
+    ) -> PyResult<()> {
+        for (number, row) in values.as_array().rows().into_iter().enumerate() {
+            let pairs = names.iter().map(String::as_str).zip(row.iter().copied());
+            let with = self.compiled.with_values(&pairs.collect::<Vec<_>>());
+            with.map_err(|error| wrong(format!("orbit {number}: {error}")))?;
+        }
+        Ok(())
+    }
+
     /// Compiles the system with time that runs backwards.
     fn reversed(&self) -> PyResult<System> {
         study::past::check(&self.compiled)

@@ -14,7 +14,7 @@ use stickslip::dynamics::{
 };
 use stickslip::error::readable;
 use stickslip::{Ending, Error, Options};
-use stickslip_model::file::System as CompiledSystem;
+use stickslip_model::file::{SettingError, System as CompiledSystem};
 use stickslip_model::kernel::{follow_all, follow_on};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::past::PastWatch;
@@ -628,12 +628,20 @@ pub(crate) fn ensemble<'py>(
     };
     let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
-        by_system(&system, &names, &values, |system, numbers| {
+        let found = by_system(&system, &names, &values, |system, numbers| {
             let own: Vec<&[f64]> = numbers.iter().map(|&number| &*starts[number]).collect();
-            let found = side_by_side(system, &own, ((t, t_end), &options), &wanted);
+            let found = system.map(|system| {
+                let found = side_by_side(system, &own, ((t, t_end), &options), &wanted);
+                found.into_iter().map(Ok).collect()
+            });
             numbers.iter().for_each(|_| task.count());
-            Ok::<_, Failure>(found)
-        })
+            let refused = |error: SettingError| {
+                let each = numbers.iter();
+                each.map(|_| Err(Failure::from(error.clone()))).collect()
+            };
+            found.unwrap_or_else(refused)
+        });
+        found.into_iter().collect::<Result<Vec<Solved>, Failure>>()
     })?;
     let (found, raised) = outcome.kept(|error| error.raised(compiled))?;
     described_all(py, compiled, &found, t, most.len())?.ended(raised)

@@ -7,7 +7,7 @@ use super::recording::{Recording, Wanted};
 use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
-use crate::render::{CommandOutput, Report, Table, by_state, explained, place, significant_digits};
+use crate::render::{CommandOutput, Report, Table, by_state, complex_within, explained, place};
 use stickslip::analysis::{Stability, multiplier_uncertainties, multipliers};
 use stickslip::error::readable;
 use stickslip::math::modulus;
@@ -95,18 +95,13 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
         } else {
             ""
         };
-        let (re, im) = (multiplier.re, multiplier.im);
-        if im == 0.0 {
-            return format!("{}{note}", place(re, uncertainty));
+        if multiplier.im == 0.0 {
+            return format!("{}{note}", place(multiplier.re, uncertainty));
         }
-        // Without an estimate, as a place without one.
-        let within = match uncertainty.is_nan() {
-            true => 1e-4 * modulus(*multiplier),
-            false => uncertainty,
-        };
-        let [re, size] = [re, im.abs()].map(|part| readable(significant_digits(part, within)));
-        let sign = if im < 0.0 { "-" } else { "+" };
-        format!("{re} {sign} {size} i ± {uncertainty:.0e}{note}")
+        format!(
+            "{}{note}",
+            complex_within([multiplier.re, multiplier.im], uncertainty)
+        )
     });
     let pairs: Vec<[f64; 2]> = multipliers.iter().map(|m| [m.re, m.im]).collect();
     let stability = Stability::of(multipliers.get(trivial..).unwrap_or_default()).to_string();

@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader};
 use stickslip::dynamics::{Moment, Summary, Vector};
 use stickslip::error::readable;
 use stickslip_model::expression::normal;
-use stickslip_model::file::System;
+use stickslip_model::file::{SettingError, System};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::text_table::{TableError, TextTable};
 
@@ -108,8 +108,20 @@ fn column(input: &str, name: &str, system: &System) -> Result<Column, Failure> {
 
 /// An orbit, and how it ended.
 struct Followed {
-    recording: Recording,
+    /// The orbit, unless it cannot begin with the values of its row.
+    recording: Option<Recording>,
     ended: Result<Summary, String>,
+}
+
+impl Followed {
+    /// Time and state at the end.
+    fn end(&self) -> Option<(f64, &Vector)> {
+        let last = || self.recording.as_ref().map(|one| &one.orbit.end);
+        match &self.ended {
+            Ok(summary) => Some((summary.t, &summary.x)),
+            Err(_) => last().map(|end| (end.t, &end.x)),
+        }
+    }
 }
 
 pub(super) fn run(
@@ -170,6 +182,8 @@ pub(super) fn run(
         let x = Vector::from_vec(x);
         Ok(Moment { t, x })
     };
+    // A wrong formula is the fault of the command, not of a row.
+    system.quantities(observed)?;
     let follow = |system: &System, rows: &[usize]| -> Result<Vec<Followed>, Failure> {
         let begins = rows.iter().map(|&row| begin(system, row));
         let begins = begins.collect::<Result<Vec<Moment>, Failure>>()?;
@@ -177,14 +191,27 @@ pub(super) fn run(
         let quantities = quantities.collect::<Result<Vec<_>, _>>()?;
         let all = Recording::of_all(system, &begins, t_end, &options, wanted, quantities);
         let followed = all.into_iter().map(|(recording, ended)| Followed {
-            recording,
+            recording: Some(recording),
             ended: ended.map_err(|error| in_words(&error, system)),
         });
         Ok(followed.collect())
     };
+    let of_block = |system: Result<&System, SettingError>, rows: &[usize]| {
+        let followed = system
+            .map_err(Failure::from)
+            .and_then(|system| follow(system, rows));
+        followed.unwrap_or_else(|error| {
+            let ended = Err(error.to_string());
+            let failed = || Followed {
+                recording: None,
+                ended: ended.clone(),
+            };
+            rows.iter().map(|_| failed()).collect()
+        })
+    };
     let orbits = with_spinner("following the orbits", |_| {
-        by_system(&system, &names, &values, follow)
-    })?;
+        by_system(&system, &names, &values, of_block)
+    });
     let what = format!(
         "{} orbits from {file}, t = {} to {}",
         orbits.len(),
@@ -217,36 +244,37 @@ fn tables(
         .map(|(word, count)| format!("{count} × {word}"));
     report.line("ended", counts.collect::<Vec<_>>().join(", "));
     type Row<'r> = (usize, &'r Followed);
-    let end = |orbit: &Followed| match &orbit.ended {
-        Ok(summary) => summary.x.clone(),
-        Err(_) => orbit.recording.orbit.end.x.clone(),
-    };
     let ends = Table::new()
         .column("orbit", |&(number, _): &Row<'_>| number)
         .many("parameters", names.to_vec(), |&(number, _)| {
             values[number - 1].clone()
         })
         .state(system, "_start", |(_, orbit)| {
-            orbit.recording.orbit.start.x.clone()
+            let recording = orbit.recording.as_ref();
+            recording.map(|one| one.orbit.start.x.clone())
         })
-        .column("t_end", |(_, orbit)| match &orbit.ended {
-            Ok(summary) => summary.t,
-            Err(_) => orbit.recording.orbit.end.t,
-        })
+        .column("t_end", |(_, orbit)| orbit.end().map(|end| end.0))
         .column("ending", |(_, orbit)| ending(orbit.ended.as_ref().ok()))
-        .state(system, "_end", |(_, orbit)| end(orbit))
+        .state(system, "_end", |(_, orbit)| {
+            orbit.end().map(|end| end.1.clone())
+        })
         .column("error", |(_, orbit)| orbit.ended.as_ref().err().cloned())
-        .column("doubtful", |(_, orbit)| orbit.recording.doubtful.join("; "));
+        .column("doubtful", |(_, orbit)| {
+            let recording = orbit.recording.as_ref();
+            recording.map(|one| one.doubtful.join("; "))
+        });
     report.field("orbits", ends.json(numbered()));
     report.table(ends.csv("orbits", numbered())?);
-    let phases = numbered().flat_map(|(number, orbit)| {
-        let phases = (1..).zip(&orbit.recording.orbit.phases);
+    let recorded =
+        || numbered().filter_map(|(number, orbit)| Some((number, orbit.recording.as_ref()?)));
+    let phases = recorded().flat_map(|(number, one)| {
+        let phases = (1..).zip(&one.orbit.phases);
         phases.map(move |(k, phase)| (number, k, phase))
     });
     report.table(phase_columns(system, true).csv("phases", phases)?);
     let changes = || {
-        numbered().flat_map(|(number, orbit)| {
-            let changes = orbit.recording.orbit.events.iter();
+        recorded().flat_map(|(number, one)| {
+            let changes = one.orbit.events.iter();
             changes.map(move |at| (number, at))
         })
     };
@@ -254,14 +282,14 @@ fn tables(
     let with_residuals = transitions_with_residuals(system, true);
     report.table(with_residuals.csv("transitions", changes())?);
     if !system.sections().is_empty() {
-        let passages = numbered().flat_map(|(number, orbit)| {
-            let passages = orbit.recording.orbit.passages.iter();
+        let passages = recorded().flat_map(|(number, one)| {
+            let passages = one.orbit.passages.iter();
             passages.map(move |at| (number, at))
         });
         report.table(passage_columns(system, true).csv("section", passages)?);
     }
     if steps {
-        let names = orbits.first().map(|one| one.recording.quantities.0.clone());
+        let names = recorded().next().map(|(_, one)| one.quantities.0.clone());
         type Numbered<'r> = (usize, recording::Row<'r>);
         let table = Table::new()
             .column("orbit", |&(number, _): &Numbered<'_>| number)
@@ -270,8 +298,8 @@ fn tables(
             .many("quantities", names.unwrap_or_default(), |(_, row)| {
                 row.2.to_vec()
             });
-        let rows = numbered().flat_map(|(number, orbit)| {
-            let rows = orbit.recording.rows();
+        let rows = recorded().flat_map(|(number, one)| {
+            let rows = one.rows();
             rows.map(move |row| (number, row))
         });
         report.table(table.csv("steps", rows)?);

@@ -15,7 +15,7 @@ use stickslip_model::file::System;
 pub(crate) use table::Table;
 use words::shortened;
 pub(crate) use words::{
-    by_state, explained, input_name, place, significant_digits, state_words, within,
+    by_state, complex_within, explained, input_name, place, significant_digits, state_words, within,
 };
 
 /// Final output of a command.

@@ -58,6 +58,23 @@ pub(crate) fn place(value: f64, uncertainty: f64) -> String {
     }
 }
 
+/// A complex number, by its parts, with its uncertainty and without further digits.
+pub(crate) fn complex_within([re, im]: [f64; 2], uncertainty: f64) -> String {
+    // Without an estimate, as a number without one.
+    let is_known = uncertainty.is_finite();
+    let within = if is_known {
+        uncertainty
+    } else {
+        1e-4 * math::hypot(re, im)
+    };
+    let [re, size] = [re, im.abs()].map(|part| readable(significant_digits(part, within)));
+    let sign = if im < 0.0 { "-" } else { "+" };
+    match is_known {
+        true => format!("{re} {sign} {size} i ± {uncertainty:.0e}"),
+        false => format!("about {re} {sign} {size} i"),
+    }
+}
+
 /// Number of characters that a line shows at either end of a text that is longer than both. Chosen:
 /// some ten rows of a terminal.
 const SHOWN_CHARACTERS: usize = 1000;
@@ -74,11 +91,22 @@ pub(super) fn shortened(text: String) -> String {
     format!("{begin} … ({left_out} characters left out) … {end}")
 }
 
-/// A state as text.
+/// A state as text, to the digits that hold where a point of an attractor is known to a millionth
+/// of a component's size ([`RecurrenceSettings::closeness`]).
+///
+/// [`RecurrenceSettings::closeness`]: stickslip::analysis::RecurrenceSettings::closeness
 pub(crate) fn state_words(x: &[f64]) -> String {
-    // Zero after rounding has no sign.
-    let signed = |x: f64| if x.abs() < 0.5e-9 { 0.0 } else { x };
-    let x: Vec<String> = x.iter().map(|&x| format!("{:.9}", signed(x))).collect();
+    const DIGITS: usize = 7;
+    // Less is rounding of the other components.
+    let least = 1e-13 * x.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let rounded = |x: f64| {
+        if x.abs() <= least {
+            0.0
+        } else {
+            to_digits(x, DIGITS)
+        }
+    };
+    let x: Vec<String> = x.iter().map(|&x| readable(rounded(x))).collect();
     format!("({})", x.join(", "))
 }
 
@@ -104,4 +132,23 @@ pub(crate) fn explained(system: &System, modes: &[Modes]) -> Option<String> {
         _ => "- below, + above, S stick; in brackets the jump that ends the phase",
     };
     Some(format!("{}  ({key})", system.sequence(modes)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn complex_numbers_without_an_estimate_say_about() {
+        let value = [0.123456789, -0.5];
+        assert_eq!(complex_within(value, 1e-6), "0.12346 - 0.5 i ± 1e-6");
+        assert_eq!(complex_within(value, f64::NAN), "about 0.1235 - 0.5 i");
+    }
+
+    #[test]
+    fn states_have_the_digits_that_hold_in_any_unit() {
+        assert_eq!(state_words(&[0.978136874321, 0.0]), "(0.9781369, 0)");
+        assert_eq!(state_words(&[-1.5e-7, 2.25]), "(-1.5e-7, 2.25)");
+        assert_eq!(state_words(&[1.0, -3e-17]), "(1, 0)");
+    }
 }

@@ -625,7 +625,7 @@ fn a_run_that_comes_to_rest_is_no_periodic_orbit_and_is_reported_where() {
                 .code(1)
                 .stdout("")
                 .stderr(contains("no periodic orbit was found"))
-                .stderr(contains(format!("the equilibrium ({rest:.9}, 0.0")))
+                .stderr(contains(format!("the equilibrium ({rest:.7}, 0)")))
                 .stderr(contains("--start"))
                 .stderr(contains("residual").not());
         }

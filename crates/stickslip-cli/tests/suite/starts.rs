@@ -101,6 +101,33 @@ fn a_start_that_fails_keeps_the_others() {
 }
 
 #[test]
+fn a_row_that_the_system_cannot_have_keeps_the_others() {
+    let ranged = BLOCK.replace("vp = 0.2", "vp = { value = 0.2, range = [0.05, 1] }");
+    let (top, mut command) = program(&ranged);
+    std::fs::write(
+        top.path().join("starts.csv"),
+        "vp,x\n0.2,0.3\n5,0.3\n0.1,0.3\n",
+    )
+    .unwrap();
+    command.args(["simulate", "system.toml", "--starts", "starts.csv"]);
+    command.args(["--out", "all", "--observe", "power=x*v"]);
+    let said = "1 of 3 orbits failed; the first, orbit 2: vp = 5 is not allowed: its range in \
+                the file is from 0.05 to 1";
+    command.assert().code(1).stderr(contains(said));
+    let all = top.path().join("all");
+    let ends = rows(&all, "orbits.csv");
+    let words: Vec<&str> = ends[1..].iter().map(|row| row[6].as_str()).collect();
+    assert_eq!(ends[0][6], "ending");
+    assert_eq!(words, ["end time", "failed", "end time"]);
+    assert_eq!(&ends[2][1..7], ["5.0", "", "", "", "", "failed"]);
+    let steps = rows(&all, "steps.csv");
+    assert_eq!(steps[0].last().map(String::as_str), Some("power"));
+    for number in ["1", "3"] {
+        assert!(steps.iter().any(|row| row[0] == number), "{number}");
+    }
+}
+
+#[test]
 fn tables_that_are_no_starts_are_refused() {
     for (text, more, said) in [
         ("1\n2\n", None, "the first line has no names"),

@@ -126,7 +126,7 @@ fn a_manifest_that_is_gone_or_damaged_is_reported() {
     for (text, wanted) in [
         (&sound[..sound.len() / 2], "cannot be read"),
         ("{}", "it has no format"),
-        (&other_format, "its format is 9, and this one reads 17"),
+        (&other_format, "its format is 9, and this one reads 18"),
         (&other_text, "not the one that its hash is of"),
         (&other_program, "the program was `stickslip 9."),
     ] {

@@ -18,16 +18,14 @@ const PARTS_PER_THREAD: usize = 4;
 /// the named parameters and so one system.
 ///
 /// `values` has a row for each orbit, and `block` returns what it finds of the orbits with these
-/// numbers, in their order. Returns what was found of all orbits, in the order of the rows.
-///
-/// # Errors
-/// Those of the parameters, and of `block`.
-pub fn by_system<T: Send, E: From<SettingError> + Send>(
+/// numbers, in their order. It receives the error of values that the system cannot have, so that
+/// these orbits keep the others. Returns what was found of all orbits, in the order of the rows.
+pub fn by_system<T: Send>(
     system: &System,
     names: &[String],
     values: &[Vec<f64>],
-    block: impl Fn(&System, &[usize]) -> Result<Vec<T>, E> + Sync,
-) -> Result<Vec<T>, E> {
+    block: impl Fn(Result<&System, SettingError>, &[usize]) -> Vec<T> + Sync,
+) -> Vec<T> {
     let mut groups: Vec<Vec<usize>> = Vec::new();
     let mut known: HashMap<Vec<u64>, usize> = HashMap::new();
     for (number, row) in values.iter().enumerate() {
@@ -44,15 +42,18 @@ pub fn by_system<T: Send, E: From<SettingError> + Send>(
     let followed = blocks.par_iter().with_max_len(1).map(|numbers| {
         let given = numbers.first().map_or(&[][..], |&number| &values[number]);
         if names.is_empty() {
-            return block(system, numbers);
+            return block(Ok(system), numbers);
         }
         let names = names.iter().map(String::as_str);
         let pairs: Vec<(&str, f64)> = names.zip(given.iter().copied()).collect();
-        block(&system.with_values(&pairs)?, numbers)
+        match system.with_values(&pairs) {
+            Ok(system) => block(Ok(&system), numbers),
+            Err(error) => block(Err(error), numbers),
+        }
     });
-    let followed = followed.collect::<Result<Vec<Vec<T>>, E>>()?;
+    let followed: Vec<Vec<T>> = followed.collect();
     let numbers = blocks.into_iter().flatten().copied();
     let mut numbered: Vec<(usize, T)> = numbers.zip(followed.into_iter().flatten()).collect();
     numbered.sort_by_key(|(number, _)| *number);
-    Ok(numbered.into_iter().map(|(_, found)| found).collect())
+    numbered.into_iter().map(|(_, found)| found).collect()
 }

@@ -126,17 +126,29 @@ fn blocks_have_every_orbit_once_with_its_own_parameters() {
     let values: Vec<Vec<f64>> = (0..700).map(|k| vec![0.1 * f64::from(k % 3 + 1)]).collect();
     let found = by_system(&system, &names, &values, |system, numbers| {
         assert!(numbers.len() <= 128);
-        let of = |&number: &usize| (number, system.values[0]);
-        Ok::<_, SettingError>(numbers.iter().map(of).collect())
+        let value = system.unwrap().values[0];
+        numbers.iter().map(|&number| (number, value)).collect()
     });
     let wanted = values.iter().map(|row| row[0]).enumerate();
-    assert_eq!(found.unwrap(), wanted.collect::<Vec<_>>());
-    let refused = by_system(&system, &["mu".to_owned()], &values, |_, numbers| {
-        Ok::<_, SettingError>(numbers.to_vec())
+    assert_eq!(found, wanted.collect::<Vec<_>>());
+    // Values that the system cannot have are those of their orbits alone.
+    let ranged = read(&BLOCK.replace("vp = 0.2", "vp = { value = 0.2, range = [0, 1] }"));
+    let mut outside = values.clone();
+    outside[3][0] = 1.5;
+    let built = by_system(&ranged, &names, &outside, |system, numbers| {
+        vec![system.is_ok(); numbers.len()]
     });
-    assert!(matches!(refused, Err(SettingError::Unknown { name, .. }) if name == "mu"));
-    let none = by_system(&system, &[], &[], |_, numbers| {
-        Ok::<_, SettingError>(numbers.to_vec())
+    assert!(
+        built
+            .iter()
+            .enumerate()
+            .all(|(number, is)| *is == (number != 3))
+    );
+    let refused = by_system(&system, &["mu".to_owned()], &values, |system, numbers| {
+        let unknown = matches!(system, Err(SettingError::Unknown { name, .. }) if name == "mu");
+        vec![unknown; numbers.len()]
     });
-    assert!(none.unwrap().is_empty());
+    assert_eq!(refused, vec![true; 700]);
+    let none: Vec<()> = by_system(&system, &[], &[], |_, numbers| vec![(); numbers.len()]);
+    assert!(none.is_empty());
 }

@@ -469,6 +469,83 @@ fn bounds_hold_and_robust_losses_pass_over_outliers() {
     }
 }
 
+/// A block on a belt with a static limit, driven by a measured force with steps.
+const ON_STEPS: &str = r#"
+name = "driven"
+[states]
+x = ""
+v = ""
+[parameters]
+mu = 0.4
+st = 0.15
+vp = 0.3
+k = 1
+[contacts.belt]
+boundary = "v - vp"
+friction = "mu/(1 + 0.8*belt*(v - vp))"
+static = "mu + st"
+[inputs.u]
+shape = "table"
+times = [0, 1, 1, 2.7, 3.1, 6, 6, 9, 12, 15, 20]
+values = [0, 0.3, 0.8, -0.2, 0.5, 0.1, -0.6, 0.4, 0.2, -0.3, 0]
+[field]
+x = "v"
+v = "-k*x - 0.05*v - friction(belt) + 0.5*u"
+[start]
+x = 0.2
+v = 0.9
+"#;
+
+#[test]
+fn robust_fits_end_at_minima_where_the_sequence_of_phases_changes_on_the_way() {
+    let formulas = ["1.15*x + 0.03", "x + 2*v"];
+    let truth = ON_STEPS.replace("mu = 0.4", "mu = 0.45");
+    let truth = truth
+        .replace("st = 0.15", "st = 0.2")
+        .replace("k = 1\n", "k = 1.1\n");
+    let other = truth.replace("vp = 0.3", "vp = 0.5");
+    let other = other
+        .replace("x = 0.2", "x = 0.1")
+        .replace("v = 0.9", "v = 0.5");
+    let times = times(60, 0.33);
+    let [one, two] = [truth, other].map(|text| exact(&parsed(&text), &formulas, &times));
+    let observables = [("gain*x + off", 0.003), ("x + 2*v", 0.01)];
+    for seed in 1..=4 {
+        let record_of = |columns: &[Vec<f64>], number: u64| {
+            let columns = columns.iter().zip(observables).zip(0..);
+            let columns = columns.map(|((column, (_, sigma)), k)| {
+                noisy(
+                    std::slice::from_ref(column),
+                    sigma,
+                    100 * seed + 10 * number + k,
+                )
+                .remove(0)
+            });
+            record(&times, columns.collect())
+        };
+        let unknowns = ["mu", "st", "k", "gain", "off", "x"].map(|name| Unknown {
+            each: name == "off",
+            ..unknown(name, None)
+        });
+        let observables = observables.map(|(formula, sigma)| observable(formula, Some(sigma)));
+        let mut request = request(parsed(ON_STEPS), unknowns.into(), observables.into());
+        request.extra = vec![("off".to_owned(), 0.02), ("gain".to_owned(), 1.1)];
+        request.records = vec![record_of(&one, 1), record_of(&two, 2)];
+        request.records[1].set = vec![("vp".to_owned(), 0.5)];
+        request.records[1].start = vec![("x".to_owned(), 0.1), ("v".to_owned(), 0.5)];
+        for loss in [Loss::Huber(1.0), Loss::SoftL1(1.0), Loss::SoftL1(0.3)] {
+            request.loss = loss;
+            let found = fit(&request).unwrap();
+            assert_ne!(found.end, LeastSquaresEnd::Change, "{seed} {loss:?}");
+            for (name, wanted) in [("mu", 0.45), ("st", 0.2), ("k", 1.1), ("gain", 1.15)] {
+                let one = found.values.iter().find(|one| one.name == name).unwrap();
+                let off = (one.value - wanted).abs() / one.std_error.unwrap();
+                assert!(off < 4.5, "{name} of {seed} with {loss:?}: {off}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_search_finds_the_minimum_among_several() {
     // Of a linear oscillator the frequency has many minima.

@@ -242,10 +242,12 @@ fn maps_ensembles_branches_and_flags_build_nothing() {
         pair(f64::from(x), f64::from(y)).unwrap();
     }
     let values: Vec<Vec<f64>> = (0..300).map(|k| vec![0.2 + 0.001 * f64::from(k)]).collect();
-    let block = |here: &System, numbers: &[usize]| {
-        Ok::<_, SettingError>(numbers.iter().map(|_| here.values.clone()).collect())
+    let block = |here: Result<&System, SettingError>, numbers: &[usize]| {
+        let here = here.unwrap();
+        numbers.iter().map(|_| here.values.clone()).collect()
     };
-    by_system(&system, &["vp".to_owned()], &values, block).unwrap();
+    let followed: Vec<Vec<f64>> = by_system(&system, &["vp".to_owned()], &values, block);
+    assert_eq!(followed.len(), 300);
     let flagged = system.interrupted_by(Arc::default()).unwrap();
     let flag = Arc::new(Interrupt::default());
     pair(3.3, 4.4).unwrap().interrupted_by(flag).unwrap();

@@ -10,10 +10,6 @@ const LEAST_RATIO: f64 = 1e-4;
 /// often stays on this side of it, or leads beyond.
 const REFUSED_BEFORE_HOLDING: u32 = 2;
 
-/// Most times that a step is held to a change. It is chosen: a minimum on a change would be held
-/// for ever.
-const MOST_HOLDS: u32 = 8;
-
 /// Halvings of a step that is held: a billionth of it is left.
 const HALVINGS: u32 = 30;
 
@@ -21,9 +17,9 @@ const HALVINGS: u32 = 30;
 /// [`HALVINGS`] a square root has 3e-5 of it.
 const JUMP: f64 = 1e-3;
 
-/// Least curvature of the cost of a residual, over its weight. It is chosen: large residuals of
-/// Huber's loss have none, and steps would go anywhere.
-const LEAST_CURVATURE: f64 = 0.1;
+/// Slopes of the directions that are tried beside a change, as tangents of their angles to those in
+/// which the cost stays. At the last, the change counts as orthogonal to the gradient.
+const SLOPES_BESIDE: [f64; 5] = [1.0, 0.3, 0.1, 0.03, 0.01];
 
 /// Residuals at a point, and their derivatives with one column for each variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -74,13 +70,16 @@ impl Loss {
         }
     }
 
-    /// The cost of a residual, and the factors of it and of its derivatives in a problem of squares
-    /// with the same gradient. Its curvature is that of the cost, or a part of the weight where the
-    /// cost has hardly any.
-    pub fn of(self, residual: f64) -> (f64, f64, f64) {
-        let [rho, first, second, scale] = self.derivatives(residual);
-        let factor = (first + second).max(LEAST_CURVATURE * first).sqrt();
-        (0.5 * scale * scale * rho, first / factor, factor)
+    /// The cost of a residual, and the factor of it and of its derivatives in a problem of squares
+    /// with the same gradient.
+    ///
+    /// `ρ` is concave, so that no parabola in the residual with this value and gradient is flatter
+    /// and nowhere below the cost (Huber, *Robust Statistics*, 1981, section 7.8). A step of least
+    /// squares therefore decreases the cost of linear residuals. One of the cost's own curvature
+    /// need not: large residuals of Huber's loss have none.
+    pub fn of(self, residual: f64) -> (f64, f64) {
+        let [rho, first, _, scale] = self.derivatives(residual);
+        (0.5 * scale * scale * rho, first.sqrt())
     }
 
     /// The derivative of the cost of a residual, and its second derivative (Huber's ψ and ψ′).
@@ -113,7 +112,7 @@ pub enum LeastSquaresEnd {
     Step,
     /// The residuals are orthogonal to their derivatives, but for bounds.
     Gradient,
-    /// The minimum lies where the piece changes.
+    /// The minimum lies where the piece changes: across the change and beside it the cost rises.
     Change,
     /// The evaluations were used up.
     Evaluations,
@@ -153,7 +152,7 @@ pub struct LeastSquares<P> {
 ///
 /// Where the residuals are smooth in pieces, a step into another piece is taken if it decreases the
 /// cost. If it is refused again and again, the change is located, and the search goes on beyond it,
-/// or before it where that is lower.
+/// or before it where that is lower. It ends at a change beside which no step decreases the cost.
 ///
 /// # Errors
 /// That of the first evaluation.
@@ -189,11 +188,11 @@ impl<P> Iterate<P> {
         let lossy = values.len().saturating_sub(at.constraints);
         for (k, value) in values.iter_mut().enumerate() {
             let loss = if k < lossy { loss } else { Loss::Squares };
-            let (part, of_value, of_slope) = loss.of(*value);
+            let (part, factor) = loss.of(*value);
             cost += part;
-            *value *= of_value;
-            if of_slope != 1.0 {
-                jacobian.row_mut(k).scale_mut(of_slope);
+            *value *= factor;
+            if factor != 1.0 {
+                jacobian.row_mut(k).scale_mut(factor);
             }
         }
         Iterate {
@@ -203,6 +202,12 @@ impl<P> Iterate<P> {
             values,
             jacobian,
         }
+    }
+
+    /// Decrease of the cost by a step, by the model.
+    fn predicted(&self, step: &Vector) -> f64 {
+        let there = &self.values + &self.jacobian * step;
+        0.5 * (self.values.norm_squared() - there.norm_squared())
     }
 
     fn is_usable(&self) -> bool {
@@ -356,7 +361,7 @@ impl<F> Minimisation<'_, F> {
             size => size,
         };
         let (mut steps, mut crossings, mut jumps) = (0, 0, 0);
-        let (mut refused, mut holds) = (0, 0);
+        let mut refused = 0;
         let end = 'search: loop {
             if !here.is_usable() {
                 break LeastSquaresEnd::NotFinite;
@@ -384,8 +389,7 @@ impl<F> Minimisation<'_, F> {
                 if length <= tolerance * here.x.component_mul(&scale).norm() || length == 0.0 {
                     break 'search LeastSquaresEnd::Step;
                 }
-                let predicted = 0.5 * here.values.norm_squared()
-                    - 0.5 * (&here.values + &here.jacobian * &step).norm_squared();
+                let predicted = here.predicted(&step);
                 if predicted <= 0.0 {
                     radius = 0.25 * length;
                     continue;
@@ -423,10 +427,6 @@ impl<F> Minimisation<'_, F> {
                 if !is_crossing || refused <= REFUSED_BEFORE_HOLDING {
                     continue;
                 }
-                if holds == MOST_HOLDS {
-                    break 'search LeastSquaresEnd::Change;
-                }
-                holds += 1;
                 let along = (&there.values - &here.values).norm();
                 let (before, beyond) = self.held(&here, there);
                 let rest = before.as_ref().unwrap_or(&here);
@@ -435,13 +435,20 @@ impl<F> Minimisation<'_, F> {
                 // Beyond a continuous change the other side's derivatives are known.
                 let is_lower = beyond.cost < rest.cost || !is_jump;
                 let next = if is_lower { Some(beyond) } else { before };
-                if let Some(next) = next.filter(|next| next.cost < here.cost) {
-                    crossings += usize::from(is_lower);
-                    steps += 1;
-                    here = next;
-                    radius = length;
-                    break;
-                }
+                let is_gain = |next: &Iterate<P>| here.cost - next.cost > tolerance * here.cost;
+                let next = next.filter(is_gain);
+                crossings += usize::from(is_lower && next.is_some());
+                let next = next.or_else(|| self.beside(&here, &model.free, &scale, length));
+                let Some(next) = next else {
+                    break 'search match self.evaluations < self.settings.most_evaluations {
+                        true => LeastSquaresEnd::Change,
+                        false => LeastSquaresEnd::Evaluations,
+                    };
+                };
+                steps += 1;
+                here = next;
+                radius = length;
+                break;
             }
             let now = norms(&here.jacobian);
             scale = scale.zip_map(&now, f64::max);
@@ -457,6 +464,54 @@ impl<F> Minimisation<'_, F> {
             crossings,
             jumps,
         }
+    }
+
+    /// A lower point beside a change that steps are held to, at most so far away, unless the change
+    /// is orthogonal to the gradient: then the cost falls across the change alone.
+    ///
+    /// The directions lie on cones around the way down, from steep to nearly flat. A change at
+    /// another angle leaves some of them on this side. Each goes on to the minimum of the model.
+    fn beside<P: PartialEq, E>(
+        &mut self,
+        here: &Iterate<P>,
+        free: &[usize],
+        scale: &Vector,
+        farthest: f64,
+    ) -> Option<Iterate<P>>
+    where
+        F: FnMut(&Vector) -> Result<Residuals<P>, E>,
+    {
+        let slope = here.jacobian.tr_mul(&here.values);
+        let slope = Vector::from_iterator(free.len(), free.iter().map(|&k| slope[k] / scale[k]));
+        let down = &-slope.normalize();
+        let sides = null_space(&Matrix::from_row_slice(1, free.len(), down.as_slice()));
+        let sides = || {
+            sides
+                .column_iter()
+                .flat_map(|side| [side.into_owned(), -side])
+        };
+        for way in SLOPES_BESIDE
+            .iter()
+            .flat_map(|part| sides().map(move |side| side + down * *part))
+        {
+            if self.evaluations >= self.settings.most_evaluations {
+                return None;
+            }
+            let mut step = Vector::zeros(here.x.len());
+            for (&k, part) in free.iter().zip(&way.normalize()) {
+                step[k] = part / scale[k];
+            }
+            let change = &here.jacobian * &step;
+            let best = -here.values.dot(&change) / change.norm_squared();
+            let x = self.within(&here.x + step * best.min(farthest));
+            let predicted = here.predicted(&(&x - &here.x));
+            let there = self.evaluated(x);
+            let is_lower = |there: &Iterate<P>| here.cost - there.cost > LEAST_RATIO * predicted;
+            if let Some(there) = there.filter(|there| predicted > 0.0 && is_lower(there)) {
+                return Some(there);
+            }
+        }
+        None
     }
 
     /// The points on both sides of the first change found on the way to a point of another piece.

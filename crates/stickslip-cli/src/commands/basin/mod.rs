@@ -39,6 +39,9 @@ use stickslip_model::study::{recurrence, reported};
 /// States outside the plane start at their values in the file, or at those of --start. A discrete
 /// state can be in the plane, too: --y n=-0.5:1.5 with two rows of --grid takes it as 0 and as 1.
 ///
+/// A point of an attractor is known to a millionth of the size of each state. `orbit` finds
+/// periodic ones to the tolerance of the solver.
+///
 /// Beside the shares, boundaries and thresholds of basins can be measured: --entropy, --dimension,
 /// --return-within, --push and --edges.
 ///
@@ -260,7 +263,8 @@ impl Sweep for Basin {
             if let (Some(at), 1..) = (one.reached.points.first(), one.family()) {
                 let family = attractors::family_words(one.family());
                 let at = state_words(at.x.as_slice());
-                report.note(format!("{:32}{family}, here the one through {at}", ""));
+                report.note(format!("{:32}{family}, here the one through {at};", ""));
+                report.note(format!("{:32}another family may count as this one", ""));
             }
             let returns = self.measures.return_within;
             if let Some(words) = returns.and_then(|distance| one.returns.words(distance)) {

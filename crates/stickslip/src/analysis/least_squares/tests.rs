@@ -236,6 +236,112 @@ fn robust_losses_pass_over_an_outlier() {
 }
 
 #[test]
+fn robust_losses_have_the_minima_that_scipy_finds() {
+    // An exponential with three outliers, and the minima of SciPy 1.17's `least_squares` with
+    // `loss`, `f_scale`, `x_scale="jac"` and tolerances of 1e-15.
+    let of = |x: &[Dual<f64>]| -> Vec<Dual<f64>> {
+        let point = |k: usize| {
+            let t = k as f64;
+            let outlier = match k {
+                3 => 4.0,
+                9 => -2.0,
+                15 => 1.5,
+                _ => 0.0,
+            };
+            let y = 3.0 * exp(-0.2 * t) + 0.5 + 0.02 * sin(7.0 * t * t) + outlier;
+            (x[0] * (x[1] * -t).exp() + x[2] - y) * 50.0
+        };
+        (0..20).map(point).collect()
+    };
+    let cases = [
+        (
+            Loss::Huber(1.0),
+            374.85725199587745,
+            [2.99394410, 0.20269838, 0.51596101],
+        ),
+        (
+            Loss::Huber(0.3),
+            113.81317141578474,
+            [2.98766551, 0.20172426, 0.51800305],
+        ),
+        (
+            Loss::Huber(5.0),
+            1830.2310255988857,
+            [3.00327195, 0.20357059, 0.52066569],
+        ),
+        (
+            Loss::SoftL1(1.0),
+            372.9546896083649,
+            [2.99359824, 0.20278448, 0.51723701],
+        ),
+        (
+            Loss::SoftL1(0.3),
+            113.39738876673594,
+            [2.98978297, 0.20237117, 0.51882931],
+        ),
+        (
+            Loss::SoftL1(5.0),
+            1794.4744286257342,
+            [3.00349409, 0.20359588, 0.52085582],
+        ),
+    ];
+    for (loss, cost, minimum) in cases {
+        for start in [[1.0, 1.0, 0.0], [3.0, 0.2, 0.5], [3.0, 0.05, 0.0]] {
+            let settings = LeastSquaresSettings {
+                loss,
+                ..unbounded(3)
+            };
+            let start = Vector::from_vec(start.to_vec());
+            let Ok(found) = least_squares(&start, &settings, on_duals(of));
+            let off = (&found.x - Vector::from_vec(minimum.to_vec())).amax();
+            assert!(off < 1e-6, "{loss:?} from {start}: {off}, {:?}", found.end);
+            assert!((found.cost - cost).abs() < 1e-11 * cost, "{}", found.cost);
+            assert!(found.evaluations < 100, "{}", found.evaluations);
+        }
+    }
+}
+
+#[test]
+fn the_end_at_a_jump_is_a_minimum_along_it() {
+    // Beyond x + y/2 = 1, on the way to (3, 3), all residuals jump. The point of the line next to
+    // (3, 3) is (0.2, 1.6).
+    let of = |x: &Vector| {
+        let is_beyond = x[0] + 0.5 * x[1] > 1.0;
+        Ok::<_, Infallible>(Residuals {
+            values: Vector::from_vec(vec![
+                x[0] - 3.0,
+                x[1] - 3.0,
+                if is_beyond { 9.0 } else { 0.5 },
+            ]),
+            jacobian: Matrix::from_row_slice(3, 2, &[1.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
+            piece: is_beyond,
+            constraints: 0,
+        })
+    };
+    for start in [[-2.0, -1.0], [0.9, -2.0], [-3.0, 6.0]] {
+        let start = Vector::from_vec(start.to_vec());
+        let Ok(found) = least_squares(&start, &unbounded(2), of);
+        let off = (&found.x - Vector::from_vec(vec![0.2, 1.6])).amax();
+        assert!(
+            off < 0.05,
+            "{start} {} {:?} {}",
+            found.x,
+            found.end,
+            found.evaluations
+        );
+        assert_eq!(found.end, LeastSquaresEnd::Change);
+        assert!(found.jumps > 0);
+        // With too few evaluations to look along the line, it is no minimum.
+        let settings = LeastSquaresSettings {
+            most_evaluations: 40,
+            ..unbounded(2)
+        };
+        let Ok(short) = least_squares(&start, &settings, of);
+        assert_eq!(short.end, LeastSquaresEnd::Evaluations);
+    }
+}
+
+#[test]
 fn constraints_count_as_squares_under_any_loss() {
     // One value, at 3 by a residual that counts as a square, and at 0 by one that the loss holds.
     let both = |constraints: usize| {
