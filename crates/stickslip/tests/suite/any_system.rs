@@ -17,9 +17,7 @@ use crate::endings::{Line, Plane, Wave};
 use crate::ensemble::{self, CompiledBlock, Edge};
 use crate::flat::{Driven, Narrow, Square};
 use crate::grazes;
-use crate::lyapunov_equations::{
-    Fork, FromSupport, Linear, MixedUnits, Pressed, Refracting, Rider, Roessler,
-};
+use crate::lyapunov_equations::{Fork, FromSupport, Linear, Pressed, Refracting, Rider, Roessler};
 use crate::pulses::{Overflowing, Pushed, Slippery, Spike};
 use crate::sections::EventSet;
 use crate::smooth::{Lorenz, Smooth};
@@ -102,8 +100,7 @@ typed!(
 
 traced!(
     3:
-    Folds, Random, Smooth<Linear<3>>, Smooth<Lorenz>, Narrow, Smooth<MixedUnits>,
-    Smooth<Roessler>, TwiceRound,
+    Folds, Random, Smooth<Linear<3>>, Smooth<Lorenz>, Narrow, Smooth<Roessler>, TwiceRound,
 );
 
 traced!(

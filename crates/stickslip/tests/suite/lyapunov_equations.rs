@@ -210,35 +210,6 @@ fn lorenz() {
     );
 }
 
-/// Lorenz's system with a unit of 1e-5 for the first state and one of 1e4 for the last.
-pub struct MixedUnits;
-impl Field<3> for MixedUnits {
-    fn at<T: Scalar>(&self, &[x, y, z]: &[T; 3]) -> [T; 3] {
-        let own = Lorenz.at(&[x * 1e5, y, z * 1e-4]);
-        [own[0] * 1e-5, own[1], own[2] * 1e4]
-    }
-}
-
-#[test]
-fn units_change_neither_exponents_nor_the_number_of_steps() {
-    let solver = Options {
-        // Vectors without units of their own would halve each step a thousandfold.
-        most_steps: 12_000,
-        ..Options::tol(1e-12)
-    };
-    let settings = SpectrumOptions::over(20.0, 200.0).solver(solver);
-    let start = (0.0, State::from([1.0, 1.0, 20.0]));
-    let plain = lyapunov_spectrum(&Smooth(Lorenz), start, &settings).unwrap();
-    let start = (0.0, State::from([1e-5, 1.0, 2e5]));
-    let mixed = lyapunov_spectrum(&Smooth(MixedUnits), start, &settings).unwrap();
-    let errors = plain.uncertainties.iter().zip(&mixed.uncertainties);
-    let values = values::<3>(&plain).into_iter().zip(values::<3>(&mixed));
-    for ((one, other), (error, of_mixed)) in values.zip(errors) {
-        close(one, other, error + of_mixed);
-    }
-    close(mixed.defect(), 0.0, 1e-7);
-}
-
 pub struct Roessler;
 impl Field<3> for Roessler {
     fn at<T: Scalar>(&self, x: &[T; 3]) -> [T; 3] {

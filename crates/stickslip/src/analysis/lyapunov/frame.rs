@@ -67,11 +67,6 @@ impl Frame {
     }
 
     /// All vectors.
-    pub(super) fn columns(&self) -> &[Vector] {
-        &self.columns
-    }
-
-    /// All vectors, to be changed.
     pub(super) fn columns_mut(&mut self) -> &mut [Vector] {
         &mut self.columns
     }

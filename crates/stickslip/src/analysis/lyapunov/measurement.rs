@@ -28,10 +28,6 @@ const MATRIX_ROUNDING: f64 = 1e-13;
 /// the time of a further vector.
 const PARTS_PER_CHECK: u64 = 16;
 
-/// Sizes of states with a ratio below two to this power have one unit. It is chosen: ratios of that
-/// size cost vectors no digits that matter, and orbits of one unit keep their bits.
-const BITS_OF_UNIT: i32 = 16;
-
 /// Transitions within the tolerances of one place after which an orbit is lost there. Chosen.
 const NARROW_TRANSITIONS: usize = 4;
 
@@ -42,14 +38,7 @@ pub(super) struct Measurement<'a> {
     pub(super) settings: SpectrumOptions,
     /// Largest size of the state since the tolerance was refined; `None` where that is not wanted.
     largest: Option<f64>,
-    /// Vectors in the units of the states: no exponent depends on them.
     frame: Frame,
-    /// Largest size of each state before the measurement, and the units, which are powers of two.
-    ///
-    /// Where one state is measured in much larger numbers than another, all vectors of a frame
-    /// without units would lie along it but for their last digits, and steps would be halved often.
-    sizes: Vector,
-    units: Vector,
     growth: Growth,
     /// Logarithm of the volume spanned by the surviving vectors, by Liouville's formula. It has a
     /// meaning for a full frame only.
@@ -84,8 +73,6 @@ impl<'a> Measurement<'a> {
             tangent: Tangent::new(system, &settings.solver),
             largest: refines.then_some(0.0),
             frame: Frame::generic(system.states(), count),
-            sizes: Vector::zeros(system.states()),
-            units: Vector::from_element(system.states(), 1.0),
             growth: Growth::new(count, 0.0, &settings),
             settings,
             log_volume: 0.0,
@@ -237,62 +224,6 @@ impl<'a> Measurement<'a> {
         system.begin(at, t_end, solver, &[])
     }
 
-    /// The units of states of which the largest sizes so far include this one. The frame continues
-    /// in them.
-    fn note_sizes(&mut self, x: &Vector) -> Option<()> {
-        let sizes = self.sizes.zip_map(x, |size, x| size.max(x.abs()));
-        if sizes == self.sizes {
-            return Some(());
-        }
-        let largest = sizes.amax();
-        let unit = |size: f64| {
-            let of_unit = std::f64::consts::LN_2 * f64::from(BITS_OF_UNIT);
-            let count = match size > 0.0 {
-                true => math::ln(size / largest) / of_unit,
-                false => 0.0,
-            };
-            math::powi(2.0, count as i32 * BITS_OF_UNIT)
-        };
-        let units = sizes.map(unit);
-        self.sizes = sizes;
-        if units != self.units {
-            let ratios = self.units.component_div(&units);
-            for q in self.frame.columns_mut() {
-                q.component_mul_assign(&ratios);
-            }
-            self.units = units;
-            self.frame.orthonormalise()?;
-        }
-        Some(())
-    }
-
-    /// Images of vectors of the frame's units after a step.
-    fn carried(&self, step: &Step, columns: &[Vector]) -> Vec<Vector> {
-        let columns = columns.iter().map(|q| q.component_mul(&self.units));
-        let images = self.tangent.carried(step, &columns.collect::<Vec<_>>());
-        let images = images
-            .into_iter()
-            .map(|image| image.component_div(&self.units));
-        images.collect()
-    }
-
-    /// The effect of a transition on vectors of the frame's units.
-    fn passed(&mut self, at: &Transition) -> Result<Option<Saltation>, Error> {
-        let cause = self.last.cause_of(self.tangent.system, at);
-        let columns = self.frame.columns().iter();
-        let columns: Vec<Vector> = columns.map(|q| q.component_mul(&self.units)).collect();
-        let jump = self.tangent.passed(at, cause, &columns)?;
-        let units = &self.units;
-        Ok(jump.map(|jump| Saltation {
-            matrix: jump
-                .matrix
-                .map_with_location(|i, j, entry| entry * units[j] / units[i]),
-            kick: jump.kick.component_div(units),
-            gradient: jump.gradient.component_mul(units),
-            determinant: jump.determinant,
-        }))
-    }
-
     fn enter_stick(&mut self, jump: &Saltation) -> Option<()> {
         let size = jump.kick.norm();
         if !(size > 0.0 && size.is_finite()) {
@@ -368,8 +299,7 @@ impl Measurement<'_> {
             .into_iter()
             .map(|(_, normal)| normal);
         let kept = system.kept(at).into_iter().map(|(_, gradient)| gradient);
-        for gradient in normals.chain(kept) {
-            let mut gradient = gradient.component_mul(&self.units);
+        for mut gradient in normals.chain(kept) {
             for before in &across {
                 flatten(before, &mut gradient);
             }
@@ -413,10 +343,6 @@ impl Measurement<'_> {
     /// Carries the frame over the last step of an orbit.
     pub(super) fn step(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
         let is_stick = step.mode.any_sticks();
-        if self.is_settling || self.is_fresh {
-            self.note_sizes(&step.x_start)
-                .ok_or_else(|| singular(step.t_start, &step.x_start))?;
-        }
         if std::mem::take(&mut self.is_fresh) {
             self.begin_on_boundary(step)
                 .ok_or_else(|| singular(step.t_end, &step.x_end))?;
@@ -440,10 +366,10 @@ impl Measurement<'_> {
     /// Near an equilibrium a step may be so long that the direction of a vector is lost in the
     /// errors of the longer ones. The step is then halved.
     fn carry(&mut self, step: &Step, orbit: &mut dyn OrbitUnderWay) -> Result<(), Error> {
-        let images = self.carried(step, self.frame.columns());
+        let images = self.tangent.carried(step, self.frame.columns_mut());
         if self.parts.is_multiple_of(PARTS_PER_CHECK) && self.frame.shadow.is_some() {
-            let sum = self.frame.columns().iter().sum::<Vector>();
-            let of_sum = self.carried(step, &[sum]).swap_remove(0);
+            let sum = self.frame.columns_mut().iter().sum::<Vector>();
+            let of_sum = self.tangent.carried(step, &[sum]).swap_remove(0);
             if let Some(shadow) = &mut self.frame.shadow {
                 shadow.note_rounding(&images, of_sum);
             }
@@ -488,7 +414,9 @@ impl Measurement<'_> {
         }
         let enters = at.kind == TransitionKind::StickEntry;
         self.stick_entries += usize::from(enters);
-        let Some(jump) = self.passed(at)? else {
+        let cause = self.last.cause_of(self.tangent.system, at);
+        let columns = self.frame.columns_mut();
+        let Some(jump) = self.tangent.passed(at, cause, columns)? else {
             return Ok(());
         };
         let passed = if enters {
