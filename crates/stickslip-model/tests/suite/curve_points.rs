@@ -9,9 +9,9 @@ use stickslip::analysis::{
 };
 use stickslip::{Options, math};
 
-use crate::run::{branch, options, system, with};
+use crate::run::{branch, options, orbit, system, with};
 use crate::special_orbits::{CUSP, DOUBLED, Range, curves, of_one_period};
-use stickslip_model::study::{Along, SideBranch, WholeBranch};
+use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch};
 
 /// Why a branch could not be joined.
 type Failed = Box<dyn std::error::Error + Send + Sync>;
@@ -595,6 +595,55 @@ fn a_bubble_between_two_flips_is_one_branch() {
         panic!("{} branches", others.len());
     };
     assert_eq!((bubble.parent, bubble.from, bubble.to), (0, 0, Some(1)));
+}
+
+/// Orbits turn about two tangencies, which meet where `p = sin q + q²`.
+const TURNS: &str = r#"
+name = "two tangencies"
+[states]
+x = ""
+y = ""
+[parameters]
+p = 0.3
+q = 0.1
+[contacts.line]
+boundary = "y"
+[field]
+x = { below = "-1", above = "1" }
+y = { below = "q - x", above = "p - sin(x) - x^2" }
+[start]
+x = -0.9
+y = 0.05
+"#;
+
+#[test]
+fn the_two_fold_in_which_a_branch_ends_is_followed_as_its_row_says() {
+    let (system, options) = (system(TURNS), options("taylor"));
+    let (range, other) = (("p", -0.5, 0.7), ("q", -0.2, 0.4));
+    let whole = branch(&system, range, &options);
+    let [(which, at)] = &whole.followed()[..] else {
+        panic!("{:?}", whole.stops);
+    };
+    assert_eq!(*which, Followed::End { upwards: false });
+    assert_eq!(
+        (&at.what, whole.row_of(*which)),
+        (&CycleBifurcation::TwoFold, 0)
+    );
+    assert_eq!(whole.special_rows(&system)[0].name, "two-fold");
+    let along = Along::new(&system, "p", (range.1, range.2)).unwrap();
+    let number = system.file.parameter("q").unwrap();
+    let both = system.with_states_of(&[number, along.number]).unwrap();
+    let begin = orbit(&system, &options);
+    let settings = ContinuationSettings::over(range.1, range.2);
+    let (settings, x) = along.start(&begin, &settings, &options, Some(0.1)).unwrap();
+    let (both, from) = ((&both, (other.1, other.2)), (begin.period, &x));
+    let curve = along.curve(both, from, (&whole, *which), &settings, &options);
+    let curve = curve.unwrap().unwrap();
+    assert_eq!(curve.stops, [CurveStop::Range; 2]);
+    for point in &curve.points {
+        let [q, p] = point.parameters;
+        assert!((p - math::sin(q) - q * q).abs() < 1e-9, "{q} {p}");
+    }
 }
 
 /// A map of the plane, iterated once in a unit of time.

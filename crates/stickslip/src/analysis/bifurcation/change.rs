@@ -253,8 +253,8 @@ fn orbit(
         });
     }
     let mut located = LocatedChange {
-        arrives: match stop {
-            Stop::Range => Some(continuation.is_at(&on_orbit(to, settings)?, returns)),
+        arrives: match (&stop, on_orbit(to, settings)) {
+            (Stop::Range, Some(at)) => Some(continuation.is_at(&at, returns)),
             _ => None,
         },
         ..LocatedChange::default()
