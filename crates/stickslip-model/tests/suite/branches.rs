@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use numerics::SplitMix;
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stability, Stop,
-    basin,
+    AttractorKind, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation,
+    SpecialEquilibrium, Stability, Stop, basin,
 };
 use stickslip::{Options, math};
 use stickslip_model::file::{Interface, System};
@@ -585,11 +585,16 @@ fn folds_of_equilibria_turn_the_branch_where_the_slope_is_zero() {
 
 /// A pressure and a length, `z' = z (1 - (z/s)²) + a` with `y = z + r (p - P)`. The folds are those
 /// of `z` alone, at `|a| = 2 s/(3 √3)`, whatever the size `P` of the pressure is.
-fn pressure_and_length([pressure, length]: [f64; 2]) -> String {
-    let ratio = 0.01 * length / pressure;
+fn pressure_and_length([pressure, length]: [f64; 2], driven: bool) -> String {
+    let (ratio, drive) = (0.01 * length / pressure, if driven { 0.1 } else { 0.0 });
+    let period = if driven {
+        "[time]\nperiod = \"2*pi\"\n"
+    } else {
+        ""
+    };
     format!(
-        "name = \"sizes\"\n[states]\np = \"Pa\"\ny = \"m\"\n[parameters]\na = 0\n\
-         [definitions]\nrate = \"{pressure:?} - p\"\n\
+        "name = \"sizes\"\n{period}[states]\np = \"Pa\"\ny = \"m\"\n[parameters]\na = 0\n\
+         [definitions]\nrate = \"{pressure:?}*(1 + {drive:?}*sin(t)) - p\"\n\
          z = \"y - {ratio:?}*(p - {pressure:?})\"\n\
          [field]\np = \"rate\"\ny = \"z*(1 - (z/{length:?})^2) + a + {ratio:?}*rate\"\n\
          [start]\np = {pressure:?}\ny = {length:?}\n"
@@ -599,25 +604,44 @@ fn pressure_and_length([pressure, length]: [f64; 2]) -> String {
 /// Pressures and lengths of very different sizes.
 const SIZES: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, 1e-4], [1e5, 1e-4], [1e3, 1e-2]];
 
+fn are_both_folds<'s>(special: impl Iterator<Item = (&'s str, f64)>, length: f64) {
+    let exact = 2.0 / (3.0 * 3.0_f64.sqrt());
+    let found: Vec<_> = special.map(|(name, at)| (name, at / length)).collect();
+    let [(one, up), (other, down)] = found.as_slice() else {
+        panic!("{length} {found:?}");
+    };
+    assert_eq!([*one, *other], ["fold", "fold"]);
+    assert!(
+        (up - exact).abs().max((down + exact).abs()) < 1e-9,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn folds_of_orbits_are_found_whatever_the_sizes_of_states_are() {
+    for [pressure, length] in SIZES {
+        let text = pressure_and_length([pressure, length], true);
+        let (_, branch) = followed(&text, &[], ("a", -length, length));
+        assert_eq!(ends(&branch), ["range", "range"], "{pressure} {length}");
+        let found = special(&branch);
+        are_both_folds(found.iter().map(|(name, at)| (name.as_str(), *at)), length);
+    }
+}
+
 #[test]
 fn folds_of_equilibria_are_found_whatever_the_sizes_of_states_are() {
     for [pressure, length] in SIZES {
-        let text = pressure_and_length([pressure, length]);
+        let text = pressure_and_length([pressure, length], false);
         let (_, branch) = equilibria(&text, ("a", -length, length));
         assert_eq!(
             branch.stops,
             [Stop::Range, Stop::Range],
             "{pressure} {length}"
         );
-        let exact = 2.0 / (3.0 * 3.0_f64.sqrt());
-        assert_eq!(branch.special.len(), 2, "{:?}", branch.special);
-        for (at, sign) in branch.special.iter().zip([1.0, -1.0]) {
-            assert_eq!(at.what, EquilibriumBifurcation::Fold);
-            assert!(
-                (at.parameter / length - sign * exact).abs() < 1e-9,
-                "{at:?}"
-            );
-        }
+        let fold = |at: &SpecialEquilibrium| at.what == EquilibriumBifurcation::Fold;
+        assert!(branch.special.iter().all(fold), "{:?}", branch.special);
+        let special = branch.special.iter();
+        are_both_folds(special.map(|at| ("fold", at.parameter)), length);
     }
 }
 

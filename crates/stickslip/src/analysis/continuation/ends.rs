@@ -6,10 +6,11 @@ use super::tangent_line::TangentLine;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
 use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, MarginKind, Shooting};
+use crate::analysis::cycle::{Cycle, MarginKind, Shooting, error_of};
 use crate::analysis::lagrange::weights;
 use crate::analysis::passages::passages;
 use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Sampling, Vector, run};
+use crate::filippov::Options;
 
 /// Extent below which an orbit may be about to shrink to a point, as a fraction of the widest
 /// one's. Chosen: there the Hopf point or two-fold is close, and a bifurcation of other orbits is
@@ -262,7 +263,7 @@ impl Continuation<'_> {
             return None;
         }
         let line = self.branch.line.as_ref();
-        let line = line.and_then(|line| line.continued(&self.shooting, self.branch.units, &found));
+        let line = line.and_then(|line| line.continued(&self.shooting, &self.branch.units, &found));
         if !self.goes_on_as_first(line.as_ref()) {
             return Some(Stop::NoConvergence);
         }
@@ -279,9 +280,9 @@ impl Continuation<'_> {
 
     /// Whether an orbit at the first one's parameter is the first one.
     fn is_first(&self, found: &Cycle) -> bool {
-        let near = SAME_ORBIT * self.branch.first.extent;
+        let (options, first) = (self.shooting.options, &self.branch.first.anchor.x);
         self.offset_from_first(found)
-            .is_some_and(|way| way.norm() <= near)
+            .is_some_and(|way| is_same(&way, first, &self.branch.units.states, options))
     }
 
     /// Whether a line through the first orbit has the direction in which the branch began. A branch
@@ -341,6 +342,15 @@ pub(in crate::analysis) fn is_led(missed: f64, moved: f64, size: f64) -> bool {
     // Chosen: a branch that bends more, or jumps, is followed.
     const LARGEST_PART: f64 = 0.5;
     missed <= LARGEST_PART * moved || missed <= SAME_ATTRACTOR * size
+}
+
+/// Whether the vector between two orbits, near a state, is short for them to be one: by the size of
+/// each state, or by the error within which it closes.
+pub(super) fn is_same(way: &Vector, at: &Vector, sizes: &Vector, options: &Options) -> bool {
+    let mut states = way.iter().zip(at).zip(sizes).enumerate();
+    states.all(|(i, ((way, at), size))| {
+        way.abs() <= (SAME_ORBIT * size).max(error_of(options.allowed(i, at.abs())))
+    })
 }
 
 /// The vector to an orbit from a moment of another one, where it is shortest; of a driven orbit, at

@@ -161,7 +161,7 @@ impl Continuation<'_> {
             } else {
                 row
             };
-            let line = TangentLine::tangent(&self.shooting, self.branch.units, &cycle, &row)?;
+            let line = TangentLine::tangent(&self.shooting, &self.branch.units, &cycle, &row)?;
             let is_valid = cycle.is_differentiable() && self.shooting.is_valid(&cycle);
             (is_near && is_valid).then_some((cycle, line))
         })
@@ -213,14 +213,14 @@ impl Continuation<'_> {
         if first.family > self.shooting.family {
             return None;
         }
-        let line = TangentLine::tangent(&self.shooting, self.branch.units, &first, &row)?;
+        let line = TangentLine::tangent(&self.shooting, &self.branch.units, &first, &row)?;
         let margin = first.margin_near(&self.branch.last, numbers)?;
         let (at, slope) = self.zero_near(&line, margin, place)?;
         if !at.solution.is_differentiable() {
             return None;
         }
         let margin = at.solution.margin_like(margin)?.clone();
-        let (sign, units) = (slope.signum(), self.branch.units);
+        let (sign, units) = (slope.signum(), &self.branch.units);
         let row = line.across() * sign;
         let tangent = TangentLine::tangent(&self.shooting, units, &at.solution, &row)?;
         // Where a multiplier is 1 at the change, the equations leave the tangent undetermined.
@@ -241,7 +241,8 @@ impl Continuation<'_> {
     /// Whether the branch has nearly the direction of a line one short step farther.
     fn leads_on(&self, line: &TangentLine) -> bool {
         let next = line.on(&self.shooting, FIRST_BEHIND_CHANGE * self.settings.step);
-        let onward = next.and_then(|next| line.continued(&self.shooting, self.branch.units, &next));
+        let onward =
+            next.and_then(|next| line.continued(&self.shooting, &self.branch.units, &next));
         onward.is_some_and(|onward| line.bends_little(&onward))
     }
 

@@ -99,13 +99,9 @@ impl<'a> Continuation<'a> {
             extent: first.extent,
             ..shooting
         };
-        let units = Units {
-            size: first.extent,
-            width: high - low,
-            other: None,
-        };
+        let units = Units::at(&shooting, &first, high - low);
         let sign = if upwards { 1.0 } else { -1.0 };
-        let line = TangentLine::tangent(&shooting, units, &first, &(row * sign));
+        let line = TangentLine::tangent(&shooting, &units, &first, &(row * sign));
         Ok(Continuation::from_orbit(
             shooting,
             settings,
@@ -272,9 +268,9 @@ impl<'a> Continuation<'a> {
             };
             next = at_end;
         }
-        let onward = line.continued(&self.shooting, self.branch.units, &next);
+        let onward = line.continued(&self.shooting, &self.branch.units, &next);
         let bends = |onward: &TangentLine| !line.bends_little(onward);
-        let strays = line.strays(&self.shooting, self.branch.units, &next);
+        let strays = line.strays(&self.shooting, &self.branch.units, &next);
         if strays || onward.as_ref().is_some_and(bends) {
             return self.shorten(step, 0.5);
         }
@@ -319,7 +315,7 @@ impl<'a> Continuation<'a> {
             self.shooting
                 .solve(&outline, Some((&row, self.parameter()))),
         ) {
-            self.branch.line = line.continued(&self.shooting, self.branch.units, &anew);
+            self.branch.line = line.continued(&self.shooting, &self.branch.units, &anew);
             self.branch.last = anew;
         }
     }
@@ -371,7 +367,7 @@ impl<'a> Continuation<'a> {
             }
         }
         if let (_, Some(last)) = good {
-            let onward = line.continued(&self.shooting, self.branch.units, &last);
+            let onward = line.continued(&self.shooting, &self.branch.units, &last);
             return self.follow(line, last, onward).unwrap_or(why);
         }
         why
@@ -381,6 +377,7 @@ impl<'a> Continuation<'a> {
     pub(super) fn take(&mut self, next: Cycle) {
         self.branch.widest = self.branch.widest.max(next.extent);
         self.shooting.extent = self.branch.widest;
+        self.branch.units.include(&self.branch.first, &next);
         self.branch.before = std::mem::replace(&mut self.branch.last, next);
         self.record();
     }

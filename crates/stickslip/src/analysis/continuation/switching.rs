@@ -93,13 +93,13 @@ pub fn switch_branches_to<Kind>(
     };
     let junction = continuation.seek(is_wanted, number);
     let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
-    let from = (continuation.shooting, continuation.branch.units);
+    let from = (continuation.shooting, &continuation.branch.units);
     switched(from, settings, junction, depth.get()).map_err(not_found)
 }
 
 /// The branches that begin at a special orbit.
 fn switched(
-    (shooting, units): (Shooting<'_>, Units),
+    (shooting, units): (Shooting<'_>, &Units),
     settings: &ContinuationSettings,
     junction: Junction,
     depth: usize,
@@ -130,7 +130,7 @@ fn switched(
         let secant =
             next.and_then(|next| along(next.outline.unknowns() - start.outline.unknowns()));
         let begun = (start.clone(), secant.or(Some(tangent)));
-        let mut other = Continuation::from_orbit(shooting, settings, units, begun);
+        let mut other = Continuation::from_orbit(shooting, settings, units.clone(), begun);
         other.flips = (depth > 1).then(Vec::new);
         other.begins_on_other = true;
         let stop = other.go_on(&mut |_| ControlFlow::Continue(()));

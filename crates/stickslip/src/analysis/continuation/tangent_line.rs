@@ -1,7 +1,7 @@
 //! The tangent of a branch, along which the next orbit is sought.
 
-use super::{parameter_of, with_parameter};
-use crate::analysis::cycle::{Cycle, Outline, Path, Shooting};
+use super::parameter_of;
+use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, resolved};
 use crate::dynamics::Vector;
 
 /// The line through an orbit along which the next one is sought. Newton's iteration stays in a
@@ -21,11 +21,13 @@ pub(super) struct TangentLine {
 }
 
 /// The units of a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Units {
-    /// Extent of the first orbit.
+    /// Extent of the first orbit, which is the largest size of a state.
     pub size: f64,
+    /// Size of each state.
+    pub states: Vector,
     /// Width of the parameter's range.
     pub width: f64,
     /// Width of the other parameter's range; that is the last component but one, if there is one.
@@ -37,14 +39,47 @@ pub(super) struct Units {
 pub(super) const LEAST_COSINE: f64 = 0.9;
 
 impl Units {
+    /// The units at the first orbit of a branch. A state has the size of its range over the orbit,
+    /// or of its change over the parameter's range by its rate along the branch, if that is more.
+    /// A state of which both are within the tolerances has the size of the orbit.
+    pub fn at(shooting: &Shooting<'_>, first: &Cycle, width: f64) -> Self {
+        let (begin, size) = (&first.outline.begin.x, first.extent);
+        let parameter = begin.len() - 1;
+        let row = first.outline.unit(parameter);
+        let tangent = first.jacobian.with_row(&row).tangent();
+        let change = |along: &Vector, i: usize| (along[i] / along[parameter] * width).abs();
+        let states = Vector::from_fn(shooting.states, |i, _| {
+            let change = tangent.as_ref().map_or(0.0, |along| change(along, i));
+            let own = first.ranges[i].max(change).min(size);
+            let resolved = resolved(shooting.options.allowed(i, begin[i].abs()));
+            if own > resolved { own } else { size }
+        });
+        let other = None;
+        Units {
+            size,
+            states,
+            width,
+            other,
+        }
+    }
+
+    /// Includes an orbit: the size of a state is the range over all orbits of the branch, up to the
+    /// extent of the first one.
+    pub fn include(&mut self, first: &Cycle, next: &Cycle) {
+        let [from, to] = [first, next].map(|cycle| &cycle.outline.begin.x);
+        for (i, size) in self.states.iter_mut().enumerate() {
+            let own = next.ranges[i].max((to[i] - from[i]).abs());
+            *size = size.max(own.min(self.size));
+        }
+    }
+
     /// Weights of the squares of the unknowns.
     fn weights(&self, cycle: &Cycle, is_forced: bool) -> Vector {
         let n = cycle.outline.begin.x.len();
-        let states = Vector::repeat(n, (self.size * self.size).recip());
-        let mut states = with_parameter(states, (self.width * self.width).recip());
-        if let Some(width) = self.other {
-            states[n - 2] = (width * width).recip();
-        }
+        let other = self.other.unwrap_or(self.size);
+        let mut sizes = self.states.clone().resize_vertically(n, other);
+        sizes[n - 1] = self.width;
+        let states = sizes.map(|size| (size * size).recip());
         let by_period = (cycle.period * cycle.period).recip();
         let count = cycle.outline.segments.len();
         let of_begin = if is_forced { by_period } else { 0.0 };
@@ -62,7 +97,7 @@ impl TangentLine {
     /// grows.
     pub fn tangent(
         shooting: &Shooting<'_>,
-        units: Units,
+        units: &Units,
         cycle: &Cycle,
         row: &Vector,
     ) -> Option<Self> {
@@ -82,7 +117,7 @@ impl TangentLine {
     /// The line along a direction from an orbit.
     pub fn along(
         shooting: &Shooting<'_>,
-        units: Units,
+        units: &Units,
         cycle: &Cycle,
         direction: Vector,
     ) -> Option<Self> {
@@ -99,7 +134,7 @@ impl TangentLine {
     }
 
     /// The tangent at another orbit with the same sequence, in the same direction.
-    pub fn continued(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> Option<Self> {
+    pub fn continued(&self, shooting: &Shooting<'_>, units: &Units, cycle: &Cycle) -> Option<Self> {
         if !self.is_of_families {
             return TangentLine::tangent(shooting, units, cycle, &self.row);
         }
@@ -122,7 +157,7 @@ impl TangentLine {
 
     /// Whether an orbit lies farther from it than a branch does that bends little on the way there:
     /// where there is none, Newton's iteration may lead to another branch.
-    pub fn strays(&self, shooting: &Shooting<'_>, units: Units, cycle: &Cycle) -> bool {
+    pub fn strays(&self, shooting: &Shooting<'_>, units: &Units, cycle: &Cycle) -> bool {
         // Largest distance from the line, as a fraction of the way on it. Chosen: twice that of an
         // arc that turns as far as it may.
         const FARTHEST: f64 = 0.5;

@@ -28,8 +28,8 @@ impl Continuation<'_> {
         let shooting = self.shooting;
         let of = |cycle: &Cycle| critical(cycle, &shooting);
         let length = line.place(&next);
-        let (units, across) = (self.branch.units, line.across());
-        let heading = |cycle: &Cycle| Some(line.continued(&shooting, units, cycle)?.heading());
+        let (units, across) = (self.branch.units.clone(), line.across());
+        let heading = |cycle: &Cycle| Some(line.continued(&shooting, &units, cycle)?.heading());
         // Zero where another branch crosses this one (Keller 1977).
         let determinant = |cycle: &Cycle| cycle.jacobian.with_row(across).determinant();
         let size = determinant(&self.branch.last).exponent;
@@ -47,6 +47,18 @@ impl Continuation<'_> {
         // that of the parabola through both orbits with the tangent at the other one.
         let chord = (parameter_of(&next) - self.parameter()) / length;
         let is_undetermined = self.begins_on_other && self.branch.points.len() == 1;
+        // At a change of the phases with a multiplier 1, rounding decides the sign of the first two
+        // functions.
+        let change = self.branch.special.last().filter(|one| {
+            let is_change = matches!(one.what, CycleBifurcation::Sequence(_));
+            is_change && one.behind + 1 == self.branch.points.len()
+        });
+        let is_of_change = |zero: &LocatedZero| {
+            change.is_some_and(|change| {
+                let off = (zero.parameter - change.parameter).abs();
+                off <= zero.uncertainty + change.uncertainty
+            })
+        };
         // Beyond a flip of the half, the orbits are those before it, begun at the other half.
         let end = flip.as_ref().map_or(&next, |flip| &flip.solution);
         let place_of_end = line.place(end);
@@ -89,7 +101,7 @@ impl Continuation<'_> {
                 from_last.max(off(&next))
             };
             let is_resolved = zero.uncertainty < farthest;
-            if kind == 0 && !is_resolved {
+            if (kind == 0 && !is_resolved) || (kind < 2 && is_of_change(&zero)) {
                 continue;
             }
             let what = match kind {
@@ -309,7 +321,10 @@ impl Continuation<'_> {
         };
         let places = (-NODES_EACH_SIDE..=NODES_EACH_SIDE).filter(|k| *k != 0);
         let places = places.map(|k| rough + SPACING * length * f64::from(k));
-        let nodes: Vec<Node> = places.filter_map(|s| node(s, &self.shooting)).collect();
+        let finer = self.shooting.finer();
+        // An orbit that half the steps do not find has an unknown error.
+        let both = |s: f64| Some((node(s, &self.shooting)?, node(s, &finer)?));
+        let (nodes, finer): (Vec<Node>, Vec<Node>) = places.filter_map(both).unzip();
         let all: Vec<&Node> = nodes.iter().collect();
         if nodes.len() < FEWEST_NODES {
             return None;
@@ -329,14 +344,11 @@ impl Continuation<'_> {
             |other: Option<(f64, f64)>| other.map_or(f64::NAN, |(_, p)| (parameter - p).abs());
         // Next to a multiplier of 1, what an orbit leaves open is amplified, and has either sign.
         // So the effects of half the steps at the single nodes are added.
-        let finer = self.shooting.finer();
-        let effect = |k: usize| {
-            let other = node(nodes[k].s, &finer)?;
+        let effects = finer.iter().enumerate().map(|(k, other)| {
             let mut changed = all.clone();
-            changed[k] = &other;
-            Some(off(zero_of_polynomial(&changed)))
-        };
-        let effects = (0..nodes.len()).map(|k| effect(k).unwrap_or(f64::NAN));
+            changed[k] = other;
+            off(zero_of_polynomial(&changed))
+        });
         let of_steps = SAFETY * effects.sum::<f64>();
         let nearest = nodes.iter().find(|one| one.value.abs() == sizes[0])?;
         let (of_polynomial, of_rounding) = (off(fewer[0]), off(fewer[1]));

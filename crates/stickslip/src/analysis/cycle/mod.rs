@@ -39,13 +39,18 @@ pub(super) const ULPS: f64 = 16.0;
 
 /// Relative error within which an orbit closes and its event functions vanish.
 pub(super) fn closeness(options: &Options) -> f64 {
-    TOLERANCES * options.coarsest()
+    error_of(options.coarsest())
 }
 
-/// Smallest length that orbits and equilibria resolve with this error of a step: a hundred times
-/// the residual in which they close.
+/// Error of an orbit with this error of a step.
+pub(super) fn error_of(allowed: f64) -> f64 {
+    TOLERANCES * allowed
+}
+
+/// Smallest length that orbits resolve with this error of a step: a hundred times the residual in
+/// which they close.
 pub(super) fn resolved(allowed: f64) -> f64 {
-    TOLERANCES * TOLERANCES * allowed
+    TOLERANCES * error_of(allowed)
 }
 
 /// The equations for a periodic orbit of a system.
@@ -96,6 +101,8 @@ pub(crate) struct Cycle {
     /// The largest range of a component; of an orbit that does not move, the size of its state, or
     /// 1 if that is zero.
     pub extent: f64,
+    /// The range of each state.
+    pub ranges: Vector,
     /// The middle of the segment that is cut there.
     pub anchor: Moment,
     /// Residual allowed in its equations, in the unit of the states.

@@ -96,7 +96,7 @@ impl<'a> Shooting<'a> {
         let equations = self.equations(&outline, &outline, self.options)?;
         let sizes = sizes(&equations.pieces);
         let period = outline.period();
-        self.cycle(outline, equations, (period, sizes.amax()), (0, self.family))
+        self.cycle(outline, equations, (period, sizes), (0, self.family))
     }
 
     /// Solves the equations near a guess. `row` is the last equation where a parameter is unknown:
@@ -143,7 +143,7 @@ impl<'a> Shooting<'a> {
             };
             if closes {
                 let family = step.free(self.states);
-                return self.cycle(outline, equations, (guessed, most), (iterations, family));
+                return self.cycle(outline, equations, (guessed, sizes), (iterations, family));
             }
             // Next to a saddle nearly all directions seem undetermined; only in families some are.
             let solved = match self.family {
@@ -236,10 +236,10 @@ impl<'a> Shooting<'a> {
         &self,
         outline: Outline,
         equations: ShootingEquations,
-        (guessed, extent): (f64, f64),
+        (guessed, sizes): (f64, Vector),
         (iterations, family): (usize, usize),
     ) -> Option<Cycle> {
-        let by_tolerance = closeness(self.options);
+        let (by_tolerance, extent) = (closeness(self.options), sizes.amax());
         let prescribed = self.prescribed(&outline.begin.x);
         let period = prescribed.map_or(outline.period(), |(period, _)| period);
         let [start, end] = &equations.velocities;
@@ -275,6 +275,7 @@ impl<'a> Shooting<'a> {
             monodromy: equations.monodromy,
             margins,
             extent: length(extent, &outline, self.states, self.options),
+            ranges: sizes.rows(0, self.states).into_owned(),
             outline,
             closes_to,
             steps: equations.steps,
@@ -311,8 +312,7 @@ impl<'a> Shooting<'a> {
 }
 
 /// The unit of length of an orbit: its extent or, where it does not move, the size of its state.
-/// For an orbit at zero it is 1. A length below a hundred times the residual in which orbits close
-/// is not resolved, and counts as zero.
+/// For an orbit at zero it is 1. A length that is not [`resolved`] counts as zero.
 fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
     let least = resolved(options.coarsest());
     let size = outline.begin.x.rows(0, states).amax();

@@ -64,7 +64,7 @@ impl EndPeriod {
     /// oscillate, they differ by about the distance.
     fn place(
         self,
-        (shooting, units): (&Shooting<'_>, Units),
+        (shooting, units): (&Shooting<'_>, &Units),
         cycle: &Cycle,
         resolved: f64,
     ) -> Option<f64> {
@@ -129,7 +129,7 @@ pub fn continue_end<Kind>(
         };
         let near = NEAR * continuation.branch.units.width;
         let is_near = |one: &Cycle| (parameter_of(one) - at.parameter).abs() <= near;
-        let (shooting, units) = (&continuation.shooting, continuation.branch.units);
+        let (shooting, units) = (&continuation.shooting, &continuation.branch.units);
         // Farther along the curve it may be resolved less.
         let is_resolved = |one: &Cycle| {
             let place = end.place((shooting, units), one, 1e-2 * RESOLVED);
@@ -188,12 +188,17 @@ impl CurveContinuation<'_> {
             plane: Some((&row, value)),
             ..self.shooting
         };
-        end.place((&shooting, self.units), cycle, RESOLVED)
+        end.place((&shooting, &self.units), cycle, RESOLVED)
     }
 }
 
 /// The orbit of another period on the branch of an orbit.
-fn with_period(shooting: &Shooting<'_>, units: Units, mut at: Cycle, period: f64) -> Option<Cycle> {
+fn with_period(
+    shooting: &Shooting<'_>,
+    units: &Units,
+    mut at: Cycle,
+    period: f64,
+) -> Option<Cycle> {
     // Largest relative change of the period in a step. Chosen: Newton's iteration converges from
     // the tangent.
     const LARGEST: f64 = 0.2;

@@ -137,7 +137,7 @@ impl CurveContinuation<'_> {
                 let value = |cycle: &Cycle| function.value(cycle, &shooting);
                 let row = line.across();
                 let begin = shooting.solve(guess, Some((row, row.dot(&guess.unknowns()))))?;
-                let line = TangentLine::tangent(&shooting, self.units, &begin, row)?;
+                let line = TangentLine::tangent(&shooting, &self.units, &begin, row)?;
                 let path = line.orbits(&shooting);
                 let ends = path.bracket((0.0, value(&begin)?), self.settings.step, &value)?;
                 let (s, found) = path.root(ends, &value)?;

@@ -1,7 +1,7 @@
 //! Ends of a curve: at an end of a range, at its beginning, or where both halves of its orbits
 //! become one orbit.
 
-use super::super::ends::{SAME_ORBIT, offset_from};
+use super::super::ends::{SAME_ORBIT, is_same, offset_from};
 use super::steps::{CurveEnd, CurvePosition};
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop, parameters};
 use crate::analysis::cycle::{Cycle, SAFETY, closeness, with_last_digits};
@@ -140,9 +140,10 @@ impl CurveContinuation<'_> {
         let is_at = self.scaled(&found).into_iter().zip(begin);
         let is_at = is_at.fold(true, |all, (a, b)| all && (a - b).abs() <= near);
         let off = offset_from(&self.shooting, &first.anchor, &found)?;
-        let is_same = off.rows(0, self.shooting.states).norm() <= near * first.extent;
+        let options = self.shooting.options;
+        let is_first = is_same(&off, &first.anchor.x, &self.units.states, options);
         let last = self.point(first, &at.condition)?;
-        (is_at && is_same).then_some(CurveEnd {
+        (is_at && is_first).then_some(CurveEnd {
             s,
             stop: CurveStop::Closed,
             last,

@@ -232,7 +232,6 @@ enum CurveKind {
 }
 
 /// The continuation of a curve.
-#[derive(Clone, Copy)]
 struct CurveContinuation<'a> {
     shooting: Shooting<'a>,
     units: Units,

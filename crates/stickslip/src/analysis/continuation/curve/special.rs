@@ -167,6 +167,7 @@ impl CurveContinuation<'_> {
     pub(super) fn finer(&self) -> Self {
         CurveContinuation {
             shooting: self.shooting.finer(),
+            units: self.units.clone(),
             ..*self
         }
     }

@@ -72,7 +72,7 @@ impl CurveContinuation<'_> {
     /// The line through the second of two orbits of the curve, in the direction from the first.
     pub(super) fn secant(&self, from: &Outline, to: &Cycle) -> Option<TangentLine> {
         let direction = to.outline.unknowns() - from.unknowns();
-        TangentLine::along(&self.shooting, self.units, to, direction)
+        TangentLine::along(&self.shooting, &self.units, to, direction)
     }
 
     /// The line on which the curve leaves its first orbit in one direction.
@@ -92,7 +92,7 @@ impl CurveContinuation<'_> {
         let known = (condition, first.steps);
         let (next, _) = self.solve(known, &guess, (&row, row.dot(&there)))?;
         let direction = next.outline.unknowns() - first.outline.unknowns();
-        TangentLine::along(&self.shooting, self.units, first, direction)
+        TangentLine::along(&self.shooting, &self.units, first, direction)
     }
 
     /// The next orbit, if the curve bends little on the way to it.
