@@ -325,7 +325,7 @@ impl<'a> Along<'a> {
         if let (Some(one), Some(other)) = (down.special.first(), up.special.first()) {
             let known = one.uncertainty + other.uncertainty;
             let is_near = (one.parameter - other.parameter).abs() <= known;
-            if is_near && std::mem::discriminant(&one.what) == std::mem::discriminant(&other.what) {
+            if is_near && one.what.to_string() == other.what.to_string() {
                 down.special.remove(0);
             }
         }

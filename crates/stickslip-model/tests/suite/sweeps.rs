@@ -134,11 +134,11 @@ fn a_sweep_goes_on_from_the_state_behind_a_kink() {
 }
 
 /// A system of one state along p.
-fn of_one(field: &str, period: &str, start: f64) -> System {
-    system(&format!(
+fn of_one(field: &str, period: &str, start: f64) -> String {
+    format!(
         "name = \"case\"\n[states]\nx = \"\"\n[parameters]\np = 0\n[field]\nx = \"{field}\"\n\
          [start]\nx = {start}\n{period}"
-    ))
+    )
 }
 
 fn values(from: f64, to: f64, count: usize) -> Vec<f64> {
@@ -153,8 +153,11 @@ fn a_jump_between_attractors_of_the_same_phases_is_located() {
     let forced = "-sin(t) + p + (x - cos(t)) - (x - cos(t))^3";
     let orbits = of_one(forced, "[time]\nperiod = \"2*pi\"\n", -1.3);
     let equilibria = of_one("p + x - x^3", "", -1.3);
-    for system in [equilibria, orbits] {
-        let [up, down] = both_ways(&system, "p", values(-1.0, 1.0, 21));
+    // Another state is 1e5 times as large.
+    let beside = equilibria.replace("[parameters]", "P = \"\"\n[parameters]");
+    let beside = beside.replace("[start]", "P = \"1e5 - P\"\n[start]\nP = 1e5");
+    for text in [equilibria, orbits, beside] {
+        let [up, down] = both_ways(&system(&text), "p", values(-1.0, 1.0, 21));
         for (changes, exact) in [(up, exact), (down, -exact)] {
             let [change] = &changes[..] else {
                 panic!("{changes:?}");
@@ -165,15 +168,15 @@ fn a_jump_between_attractors_of_the_same_phases_is_located() {
     }
 }
 
-/// Equilibria of `p + x + x³`, and orbits about them, have no change however coarse the values.
+/// Equilibria of `p - x - x³`, and orbits about them, have no change however coarse the values.
 #[test]
 fn attractors_that_move_smoothly_change_nowhere() {
     let forced = "-sin(t) + p - (x - cos(t)) - (x - cos(t))^3";
     let orbits = of_one(forced, "[time]\nperiod = \"2*pi\"\n", 0.0);
     let equilibria = of_one("p - x - x^3", "", 0.0);
-    for system in [equilibria, orbits] {
+    for text in [equilibria, orbits] {
         for count in [3, 21] {
-            for changes in both_ways(&system, "p", values(-1.0, 1.0, count)) {
+            for changes in both_ways(&system(&text), "p", values(-1.0, 1.0, count)) {
                 assert!(changes.is_empty(), "{changes:?}");
             }
         }

@@ -31,10 +31,10 @@ use stickslip_model::study::{AtValue, Diagram, Locates, recurrence};
 ///
 /// A change of the phases is located and named by the event function that vanishes there. If none
 /// vanishes, a multiplier on the unit circle names it: a fold, flip, Neimark-Sacker bifurcation or
-/// branch point. So is a change that keeps the phases: attractors at neighbouring values are
-/// compared with the tangents of their branches. An equilibrium is followed to where it loses its stability, or comes to the
-/// boundary and ends or goes on in another mode. If one orbit ends and the run reaches another that
-/// begins elsewhere, both places are reported.
+/// branch point. Changes that keep the phases are located, too: attractors at neighbouring values
+/// are compared with the tangents of their branches. An equilibrium is followed to where it loses
+/// its stability, or comes to the boundary and ends or goes on in another mode. If one orbit ends
+/// and the run reaches another that begins elsewhere, both places are reported.
 ///
 /// With --shares, random starts at each value also give the shares of the basins of all attractors,
 /// in shares.csv and shares.svg. An attractor keeps its band along the parameter if orbits from it

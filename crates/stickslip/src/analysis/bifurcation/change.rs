@@ -7,7 +7,7 @@ use crate::analysis::attractors::equilibrium::newton_step_at;
 use crate::analysis::attractors::{Attractor, AttractorKind, shifts};
 use crate::analysis::continuation::{
     Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stop,
-    continue_equilibrium, is_led,
+    continue_equilibrium, is_led, same_attractor,
 };
 use crate::analysis::cycle::StepBudget;
 use crate::dynamics::{Dynamics, DynamicsRef, Moment, Vector};
@@ -194,7 +194,10 @@ fn equilibrium(
         let last = branch.points.last().map(|at| states(at.x.clone()));
         let at = &to.reached.points.first()?.x;
         let arrives = last.filter(|_| branch.stop == Stop::Range);
-        let arrives = arrives.map(|last| is_led((last - at).norm(), 0.0, at.norm()));
+        let arrives = arrives.map(|last| {
+            let off = last - at;
+            is_led([&off, &(&off * 0.0)], &same_equilibrium(at, options))
+        });
         return Some(LocatedChange {
             arrives,
             ..LocatedChange::default()
@@ -312,7 +315,7 @@ pub(super) fn is_smooth(
     forcing: Option<f64>,
     how: (&Options, Option<&StepBudget>),
 ) -> bool {
-    if is_unmoved(ends.map(|at| &at.reached)) {
+    if is_unmoved(ends.map(|at| &at.reached), how.0) {
         return true;
     }
     let both = match ends.map(|at| &at.reached.kind) {
@@ -342,29 +345,48 @@ pub(super) fn is_smooth(
         }
         [AttractorKind::Equilibrium, AttractorKind::Equilibrium] => {
             let [one, other] = ends;
-            [[one, other], [other, one]].map(|ends| equilibrium_leads_to(system, ends))
+            [[one, other], [other, one]].map(|ends| equilibrium_leads_to(system, ends, how.0))
         }
         _ => return true,
     };
     both.iter().all(|leads| *leads != Some(false))
 }
 
-/// Whether two attractors differ by less than orbits of a branch are told apart by, at the ends of
-/// their phases and at their points.
-fn is_unmoved([one, other]: [&Attractor; 2]) -> bool {
+/// Whether two attractors are the same in each state at their points, as orbits of a branch are
+/// told apart.
+fn is_unmoved([one, other]: [&Attractor; 2], options: &Options) -> bool {
     let ends = one.phases.iter().map(|phase| &phase.x_start);
-    let mut places = ends.chain(one.points.iter().map(|at| &at.x));
-    let Some(first) = places.next() else {
+    let places: Vec<&Vector> = ends.chain(one.points.iter().map(|at| &at.x)).collect();
+    let Some(first) = places.first() else {
         return false;
     };
-    let extent = places.map(|x| (x - first).norm()).fold(0.0, f64::max);
-    let is_near = |a: &Moment, b: &Moment| is_led((&a.x - &b.x).norm(), 0.0, extent);
+    let ranges = Vector::from_fn(first.len(), |i, _| {
+        let values = places.iter().map(|x| x[i]);
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        });
+        high - low
+    });
+    let allowed = same_attractor(&ranges, first, options);
+    let is_near = |a: &Moment, b: &Moment| {
+        let off = &a.x - &b.x;
+        is_led([&off, &(&off * 0.0)], &allowed)
+    };
     let mut shifts = shifts(&one.points, &other.points, is_near);
     shifts.next().is_some()
 }
 
+/// Differences of the states of two equilibria that are the same.
+fn same_equilibrium(x: &Vector, options: &Options) -> Vector {
+    same_attractor(&Vector::zeros(x.len()), x, options)
+}
+
 /// Whether an equilibrium is where Newton's step at its value leads from another one.
-fn equilibrium_leads_to(system: &dyn Dynamics, [from, to]: [&SweepPoint; 2]) -> Option<bool> {
+fn equilibrium_leads_to(
+    system: &dyn Dynamics,
+    [from, to]: [&SweepPoint; 2],
+    options: &Options,
+) -> Option<bool> {
     let [one, other] = [from, to].map(|at| at.reached.points.first().map(|at| &at.x));
     let (one, other) = (one?, other?);
     let at = Moment {
@@ -372,9 +394,9 @@ fn equilibrium_leads_to(system: &dyn Dynamics, [from, to]: [&SweepPoint; 2]) -> 
         x: extended(one, to.parameter),
     };
     let step = newton_step_at(system, from.reached.mode, &at, one.len())?;
-    let missed = (states(at.x + step) - other).norm();
-    let moved = (one - other).norm();
-    Some(is_led(missed, moved, one.norm().max(other.norm())))
+    let missed = states(at.x + step) - other;
+    let moved = one - other;
+    Some(is_led([&missed, &moved], &same_equilibrium(other, options)))
 }
 
 /// A moment on the orbit at a value, with the parameter in its state.

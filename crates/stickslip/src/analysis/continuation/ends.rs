@@ -6,7 +6,7 @@ use super::tangent_line::TangentLine;
 use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
 use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
 use crate::analysis::critical::zero_between;
-use crate::analysis::cycle::{Cycle, MarginKind, Shooting, error_of};
+use crate::analysis::cycle::{Cycle, MarginKind, Shooting, error_of, resolved};
 use crate::analysis::lagrange::weights;
 use crate::analysis::passages::passages;
 use crate::dynamics::{DynamicsRef, Modes, Moment, RecordedOrbit, Sampling, Vector, run};
@@ -26,8 +26,9 @@ const AT_REST: f64 = 1e-3;
 /// to a fold.
 pub(super) const SAME_ORBIT: f64 = 1e-6;
 
-/// Distance below which an orbit of a branch and an attractor are the same, as a fraction of the
-/// extent. Chosen: orbits have come so near to their attractors, and jumps lead farther away.
+/// Difference below which a state of an orbit of a branch and of an attractor is the same, as a
+/// fraction of its range; the square is that of its value. Chosen: far above the closeness to which
+/// attractors are found, 1e-6.
 const SAME_ATTRACTOR: f64 = 1e-3;
 
 /// Largest distance of an orbit from the equilibrium in which it ends, as a fraction of the widest
@@ -294,40 +295,47 @@ impl Continuation<'_> {
     }
 
     /// Whether another orbit is where the tangent of the branch at the last one leads, rather than
-    /// where the last one is. Driven ones have so many periods of the drive. `None` where that could
+    /// where the last one is. Driven ones have so many periods of the drive. `None` where it could
     /// not be computed.
     pub(in crate::analysis) fn leads_to(&self, other: &Self, returns: usize) -> Option<bool> {
         let other = &other.branch.last;
         let line = self.branch.line.as_ref()?;
         let s = (parameter_of(other) - self.parameter()) / line.heading();
         let ahead = self.shooting.evaluated(&line.guess(s))?;
-        let away = |one: &Cycle| self.distance(&one.anchor, other, returns);
+        let away = |one: &Cycle| self.offset(&one.anchor, other, returns);
         let [moved, missed] = [&self.branch.last, &ahead].map(away);
-        let is_single = self.shooting.family == 0;
-        let led = is_led(missed?, moved?, self.branch.last.extent);
-        is_single.then_some(led)
+        let led = is_led([&missed?, &moved?], &self.allowed(other));
+        (self.shooting.family == 0).then_some(led)
     }
 
-    /// Distance of an orbit from a moment. A driven one may begin in any period of the drive.
-    fn distance(&self, at: &Moment, orbit: &Cycle, returns: usize) -> Option<f64> {
+    /// The vector to an orbit from a moment. A driven one may begin in any period of the drive.
+    fn offset(&self, at: &Moment, orbit: &Cycle, returns: usize) -> Option<Vector> {
         let away = |k: usize| {
             let later = Moment {
                 t: at.t + orbit.period * k as f64 / returns as f64,
                 x: at.x.clone(),
             };
             let off = offset_from(&self.shooting, &later, orbit)?;
-            Some(off.rows(0, self.shooting.states).norm())
+            Some(off.rows(0, self.shooting.states).into_owned())
         };
         let begins = self.shooting.forced.map_or(1, |_| returns);
+        let allowed = self.allowed(orbit);
+        let size = |off: &Vector| off.component_div(&allowed).amax();
         let all = (0..begins).filter_map(away);
-        all.min_by(f64::total_cmp)
+        all.min_by(|a, b| size(a).total_cmp(&size(b)))
     }
 
     /// Whether a moment lies on the last orbit, to the accuracy of an attractor.
     pub(in crate::analysis) fn is_at(&self, at: &Moment, returns: usize) -> bool {
         let last = &self.branch.last;
-        let off = self.distance(at, last, returns);
-        off.is_some_and(|off| is_led(off, 0.0, last.extent))
+        let off = self.offset(at, last, returns);
+        off.is_some_and(|off| is_led([&off, &(&off * 0.0)], &self.allowed(last)))
+    }
+
+    /// Differences of the states of an orbit and an attractor that are the same.
+    fn allowed(&self, orbit: &Cycle) -> Vector {
+        let x = orbit.anchor.x.rows(0, self.shooting.states).into_owned();
+        same_attractor(&orbit.ranges, &x, self.shooting.options)
     }
 
     /// The vector to an orbit from the first one's anchor, as [`offset_from`].
@@ -336,12 +344,25 @@ impl Continuation<'_> {
     }
 }
 
-/// Whether a solution that has moved so far from another one is where that leads: what it misses
-/// is a small part of the way, or of its size.
-pub(in crate::analysis) fn is_led(missed: f64, moved: f64, size: f64) -> bool {
+/// Whether a solution that has moved by a vector from another one is where that leads. In each
+/// state it misses at most a part of the way, and what is allowed.
+pub(in crate::analysis) fn is_led([missed, moved]: [&Vector; 2], allowed: &Vector) -> bool {
     // Chosen: a branch that bends more, or jumps, is followed.
     const LARGEST_PART: f64 = 0.5;
-    missed <= LARGEST_PART * moved || missed <= SAME_ATTRACTOR * size
+    let mut states = missed.iter().zip(moved).zip(allowed);
+    states.all(|((missed, moved), allowed)| missed.abs() <= LARGEST_PART * moved.abs() + allowed)
+}
+
+/// Differences of the states of two attractors that are the same, by the range of each state and by
+/// its value: an attractor is known to so many digits, and no length is known below what orbits
+/// resolve.
+pub(in crate::analysis) fn same_attractor(
+    ranges: &Vector,
+    x: &Vector,
+    options: &Options,
+) -> Vector {
+    let sizes = ranges + x.abs() * SAME_ATTRACTOR;
+    sizes * SAME_ATTRACTOR + Vector::repeat(x.len(), resolved(options.coarsest()))
 }
 
 /// Whether the vector between two orbits, near a state, is short for them to be one: by the size of

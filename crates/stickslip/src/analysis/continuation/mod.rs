@@ -29,7 +29,7 @@ pub use curve::{
     Curve, CurveBifurcation, CurvePoint, CurveSpecialPoint, CurveStop, continue_change,
     continue_end,
 };
-pub(super) use ends::is_led;
+pub(super) use ends::{is_led, same_attractor};
 pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
     continue_equilibrium,

@@ -20,7 +20,7 @@ use crate::filippov::Options;
 const NEAR: f64 = 1e-6;
 
 /// Precision to which the end must be extrapolated from each orbit, as a fraction of the range.
-/// Chosen.
+/// Chosen: a hundredth of the distance at which the orbits begin.
 const RESOLVED: f64 = 1e-8;
 
 /// An end of a branch that has a curve: the period there.
@@ -148,7 +148,7 @@ pub fn continue_end<Kind>(
 
 impl Stop {
     /// The end as a special orbit, if it has a curve in two parameters: with a state and the period
-    /// of the last orbit. It counts as the first of the branch.
+    /// of the last orbit. Its `behind` is 0.
     pub fn as_special(&self, x: &Vector, period: f64) -> Option<SpecialPoint> {
         let (parameter, uncertainty, what) = match *self {
             Stop::Homoclinic {
