@@ -103,8 +103,8 @@ fn aitken(values: &[f64]) -> f64 {
 /// determine the end to 1e-8 of the range. State and period are those of the orbit.
 ///
 /// # Errors
-/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has another
-/// end, or no curve continues from it.
+/// Those of [`crate::analysis::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has
+/// another end, or no curve continues from it.
 pub fn continue_end<Kind>(
     system: &impl AsDynamics<Kind>,
     x: impl Components,
