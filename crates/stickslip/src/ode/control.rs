@@ -64,7 +64,7 @@ pub(crate) fn squared_error<M: RungeKutta, const N: usize>(
     squared_error_of(estimates.as_ref(), [x0, &step.end], h, tolerance)
 }
 
-/// [`squared_error`] from the estimates and both ends of a step.
+/// [`squared_error`] from the estimates and both ends of a step; NaN where a square overflows.
 #[inline(always)]
 pub(crate) fn squared_error_of<const N: usize>(
     estimates: Option<&Estimates<State<N>>>,
@@ -87,12 +87,16 @@ pub(crate) fn squared_error_of<const N: usize>(
         sum5 += e5 * e5;
         sum3 += e3 * e3;
     }
-    let denominator = sum5 + 0.01 * sum3;
+    let denominator = (sum5 + 0.01 * sum3) * states as f64;
     if denominator == 0.0 {
         return of_exact();
     }
+    // A quotient by infinity would be the error zero.
+    if !denominator.is_finite() {
+        return f64::NAN;
+    }
     let along = h * sum5;
-    along * (along / (denominator * states as f64))
+    along * (along / denominator)
 }
 
 /// Factor by which the step changes after a step of this squared error: about `0.9 · error^(-1/8)`,
@@ -151,5 +155,35 @@ pub(crate) fn first_step<const N: usize>(
         step
     } else {
         1e-6_f64.min(longest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_error_whose_squares_overflow_is_small() {
+        let tolerance = Tolerance {
+            rtol: 0.0,
+            atol: [1e-14],
+        };
+        let of = |exponent: i32| State::from([math::powi(10.0, exponent)]);
+        let all = 0..300;
+        for (fifth, third) in all.clone().flat_map(|k| all.clone().map(move |l| (k, l))) {
+            let estimates = Estimates {
+                fifth: of(fifth),
+                third: of(third),
+            };
+            let ends = [&of(0), &of(0)];
+            let how = (&tolerance, 1000);
+            let error = squared_error_of(Some(&estimates), ends, 1.0, how);
+            // The logarithm of e5⁴/(e5² + e3²/100)/1000, with e3 the larger one.
+            let exact = 4 * (fifth + 14) - 2 * (third + 14).max(fifth + 14) - 1;
+            assert!(
+                error > 1.0 || error.is_nan() || exact <= 2,
+                "1e{fifth}, 1e{third}: {error:e}, exactly 1e{exact}"
+            );
+        }
     }
 }

@@ -270,10 +270,6 @@ impl<'a> Continuation<'a> {
         }
         let onward = line.continued(&self.shooting, &self.branch.units, &next);
         let bends = |onward: &TangentLine| !line.bends_little(onward);
-        // Beside an orbit whose matrix rounding makes singular, the branch has a tangent.
-        if onward.is_none() && !is_outside {
-            return self.shorten(step, 0.5);
-        }
         let strays = line.strays(&self.shooting, &self.branch.units, &next);
         if strays || onward.as_ref().is_some_and(bends) {
             return self.shorten(step, 0.5);
