@@ -414,6 +414,8 @@ class Curve(Result):
         The parameter of the branch.
     other : ndarray, shape (m,)
         The second parameter. Without points, no curve was found.
+    uncertainty : ndarray, shape (m,)
+        Uncertainty of `parameter` where that is extrapolated to the end of a branch; NaN elsewhere.
     period : ndarray, shape (m,)
         Period of each orbit.
     t, y : ndarray, shapes (m,) and (m, n)
@@ -438,6 +440,7 @@ class Curve(Result):
     what: str
     parameter: Floats
     other: Floats
+    uncertainty: Floats
     period: Floats
     t: Floats
     y: Floats
@@ -451,6 +454,7 @@ class Curve(Result):
         return {
             self.names[0]: self.parameter,
             self.names[1]: self.other,
+            "uncertainty": self.uncertainty,
             "period": self.period,
             "t": self.t,
             **states_of(self.system, self.y),
@@ -458,6 +462,7 @@ class Curve(Result):
 
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         variables: dict[str, Any] = {
+            "uncertainty": ("orbit", self.uncertainty),
             "period": ("orbit", self.period),
             "y": (("orbit", "state"), self.y),
         }

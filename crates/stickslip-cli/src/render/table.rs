@@ -142,7 +142,7 @@ impl<'a, R> Table<'a, R> {
         names: Vec<String>,
         value: impl Fn(&R) -> V + 'a,
     ) -> Self {
-        self.columns_of(key, (names, Vec::new()), value)
+        self.columns_of(key, (names.clone(), names), value)
     }
 
     fn columns_of<V: Into<Value>>(
@@ -248,5 +248,16 @@ mod tests {
             json!({ "k": 2, "rate": null, "x_end": {} }),
         ];
         assert_eq!(table.json(rows), wanted);
+    }
+
+    #[test]
+    fn many_values_have_their_names_in_json() {
+        let names = ["a", "b"].map(str::to_owned).to_vec();
+        let table = Table::new().many("set", names, |row: &Vec<f64>| row.clone());
+        let rows = table.json([vec![1.0, 2.0], vec![3.0]]);
+        assert_eq!(
+            Json::Array(rows),
+            json!([{"set": {"a": 1.0, "b": 2.0}}, {"set": {"a": 3.0}}])
+        );
     }
 }

@@ -205,33 +205,35 @@ fn described(error: &Error, _: &System) -> String {
     error.to_string()
 }
 
+/// Changes are located along the parameter as a state, which is another build.
 #[test]
-fn a_diagram_of_many_values_builds_its_system_once() {
-    let system = open("belt");
-    let options = options("taylor");
-    let diagram = Diagram {
-        system: &system,
-        parameter: "vp",
-        until: 400.0,
-        duration: None,
-        locates: Locates::default(),
-        values: 200,
-        options: &options,
-    };
-    let mut last: Option<AtValue> = None;
-    for k in 0..200 {
-        let start = |here: &System| Ok::<_, Failure>(here.start().unwrap());
-        let value = 0.15 + 0.0005 * f64::from(k);
-        let found = diagram.at(value, last.as_ref(), start, &described);
-        let (at, changes) = found.unwrap();
-        assert!(
-            changes.is_empty() && at.reached.kind.is_attractor(),
-            "{value}"
-        );
-        last = Some(at);
+fn no_value_of_a_diagram_builds_its_system() {
+    for (locates, builds) in [(Locates::Nothing, 1), (Locates::default(), 2)] {
+        let system = open("belt");
+        let options = options("taylor");
+        let diagram = Diagram {
+            system: &system,
+            parameter: "vp",
+            until: 400.0,
+            duration: None,
+            locates,
+            values: 200,
+            options: &options,
+        };
+        let mut last: Option<AtValue> = None;
+        for k in 0..200 {
+            let start = |here: &System| Ok::<_, Failure>(here.start().unwrap());
+            let value = 0.15 + 0.0005 * f64::from(k);
+            let found = diagram.at(value, last.as_ref(), start, &described);
+            let (at, changes) = found.unwrap();
+            assert!(
+                changes.is_empty() && at.reached.kind.is_attractor(),
+                "{value}"
+            );
+            last = Some(at);
+        }
+        assert_eq!(system.builds(), builds);
     }
-    // With the parameter as a value, and as a state along which neighbours are compared.
-    assert_eq!(system.builds(), 2);
 }
 
 #[test]

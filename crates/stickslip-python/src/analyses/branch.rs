@@ -217,6 +217,7 @@ fn described_curve<'py>(
     fields.put("begins", begins)?;
     fields.numbers("other", points.iter().map(|at| at.parameters[0]))?;
     fields.numbers("parameter", points.iter().map(|at| at.parameters[1]))?;
+    fields.optional_numbers("uncertainty", points.iter().map(|at| at.uncertainty))?;
     fields.numbers("period", points.iter().map(|at| at.period))?;
     fields.numbers("t", points.iter().map(|at| at.t))?;
     let own = points

@@ -34,6 +34,10 @@ pub(super) fn report(
             (Some(curve), Some(first), Some(last)) => {
                 let end = |point: &CurvePoint, stop: CurveStop| {
                     let [q, p] = point.parameters.map(readable);
+                    let p = match point.uncertainty {
+                        Some(uncertainty) => place(point.parameters[1], uncertainty),
+                        None => p,
+                    };
                     let end = described(stop, ["orbit", "orbits"]);
                     format!("{other} = {q}, {name} = {p} {end}")
                 };
@@ -85,6 +89,7 @@ pub(super) fn report(
         .column("what", |row| row.1.clone())
         .column(other, |row| row.2.parameters[0])
         .column(name, |row| row.2.parameters[1])
+        .column(&format!("uncertainty_{name}"), |row| row.2.uncertainty)
         .column("period", |row| row.2.period)
         .column("t", |row| row.2.t)
         .state(system, "", |row| {

@@ -293,8 +293,8 @@ fn point(
 
 /// Locates the changes between the attractors at neighbouring values of a sweep: where the kind of
 /// motion, the phases or the mode of rest differ, or where the tangents of their branches do not
-/// lead from one to the other. There is one between two values; or two, where
-/// one orbit ends and an unrelated one begins.
+/// lead from one to the other. There is one between two values; or two, where one orbit ends and an
+/// unrelated one begins.
 ///
 /// **The parameter is the last state of `system`**, as in [`super::continue_periodic_orbit`]. The
 /// orbits and equilibria on both sides are followed towards each other as branches, to the first
@@ -403,9 +403,9 @@ pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> 
     }
 }
 
-/// Whether two attractors at neighbouring values differ in kind, in their returns or phases, or in
-/// the mode of an equilibrium, so that there is a change between them. Others may have jumped:
-/// [`locate_changes`] compares them with the tangents of their branches.
+/// Whether two attractors at neighbouring values differ in kind, returns, phases, or the mode of an
+/// equilibrium. Others may have jumped: [`locate_changes`] compares them with the tangents of their
+/// branches.
 pub fn is_change(one: &Attractor, other: &Attractor) -> bool {
     match (&one.kind, &other.kind) {
         (

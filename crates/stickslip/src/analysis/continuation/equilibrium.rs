@@ -107,9 +107,9 @@ pub struct EquilibriumBranch {
     pub special: Vec<SpecialEquilibrium>,
     /// Size of each state on the branch.
     pub sizes: Vector,
-    /// Reason for the end of the branch. It is an end of the range, the first equilibrium of a
-    /// closed branch, the requested number of points, a boundary with no equilibrium behind it, or
-    /// an equilibrium that could not be computed.
+    /// Reason for the end of the branch: an end of the range, the requested number of points, or a
+    /// boundary with no equilibrium behind it. A closed branch ends with its first equilibrium. An
+    /// equilibrium may not have been found.
     pub stop: Stop,
 }
 

@@ -79,8 +79,10 @@ fn off(curve: &Curve, ends: [f64; 2], function: impl Fn(f64) -> f64) -> f64 {
     reached.sort_by(f64::total_cmp);
     assert_eq!(reached, ends);
     let off = curve.points.iter().map(|at| {
-        let [q, p] = at.parameters;
-        (p - function(q)).abs()
+        let ([q, p], uncertainty) = (at.parameters, at.uncertainty.unwrap());
+        let off = (p - function(q)).abs();
+        assert!(off <= uncertainty, "{q}: {off:e}, ± {uncertainty:e}");
+        off
     });
     off.fold(0.0, f64::max)
 }

@@ -8,7 +8,7 @@ use crate::analysis::continuation::tangent_line::{TangentLine, Units};
 use crate::analysis::continuation::{
     ContinuationSettings, CycleBifurcation, SpecialPoint, Stop, parameter_of,
 };
-use crate::analysis::cycle::{Cycle, Shooting};
+use crate::analysis::cycle::{Cycle, SAFETY, Shooting};
 use crate::analysis::lagrange::weights;
 use crate::dynamics::{AsDynamics, Components, Vector};
 use crate::error::Error;
@@ -59,15 +59,16 @@ impl EndPeriod {
         }
     }
 
-    /// The parameter at the end of the branch of an orbit, `None` where that is not resolved to a
-    /// fraction of the range: where both limits differ by more. Next to a saddle whose orbits
-    /// oscillate, they differ by about the distance.
+    /// The parameter at the end of the branch of an orbit, and its uncertainty: the difference of
+    /// both limits, with the error of integration. `None` where the limits differ by more than a
+    /// fraction of the range. Next to a saddle whose orbits oscillate, they differ by about the
+    /// distance.
     fn place(
         self,
         (shooting, units): (&Shooting<'_>, &Units),
         cycle: &Cycle,
         resolved: f64,
-    ) -> Option<f64> {
+    ) -> Option<(f64, f64)> {
         // With the derivatives in the plane of this branch.
         let mut at = shooting.evaluated(&cycle.outline)?;
         let mut values = Vec::new();
@@ -76,7 +77,11 @@ impl EndPeriod {
             values.push(parameter_of(&at));
         }
         let [limit, fewer] = self.limits(&values);
-        ((limit - fewer).abs() <= resolved * units.width).then_some(limit)
+        let of_limit = (limit - fewer).abs();
+        let plane = (&cycle.outline.by_duration(), cycle.period);
+        let finer = shooting.finer().solve(&cycle.outline, Some(plane))?;
+        let of_steps = SAFETY * (parameter_of(&finer) - values[0]).abs();
+        (of_limit <= resolved * units.width).then_some((limit, of_limit + of_steps))
     }
 }
 
@@ -97,10 +102,11 @@ fn aitken(values: &[f64]) -> f64 {
 /// heteroclinic cycle, or a two-fold to which crossing orbits shrink.
 ///
 /// **The parameters are the last two states**, as in [`super::continue_change`]. The curve is that
-/// of the orbits with the period of the branch's last one (Doedel & Kernévez 1986). The parameter
-/// of the branch is extrapolated at each of them: near a saddle to an infinite period, from orbits
-/// of three, and near a two-fold to period zero, from those of five. It ends where that does not
-/// determine the end to 1e-8 of the range. State and period are those of the orbit.
+/// of orbits of one period, long near a saddle and short near a two-fold (Doedel & Kernévez 1986).
+/// The parameter of the branch is extrapolated at each of them, to an infinite period or to zero,
+/// from orbits of other periods with the same other parameter. [`super::CurvePoint::uncertainty`]
+/// says how well. The curve ends where that does not determine the end to 1e-8 of the range. State
+/// and period are those of the orbit.
 ///
 /// # Errors
 /// Those of [`crate::analysis::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has
@@ -180,8 +186,8 @@ impl Stop {
 
 impl CurveContinuation<'_> {
     /// The parameter of the branch at the end that the orbits of a curve approach, with the other
-    /// one fixed.
-    pub(super) fn at_end(&self, cycle: &Cycle, end: EndPeriod) -> Option<f64> {
+    /// one fixed, and its uncertainty.
+    pub(super) fn at_end(&self, cycle: &Cycle, end: EndPeriod) -> Option<(f64, f64)> {
         let row = cycle.outline.unit(self.place);
         let value = cycle.outline.begin.x[self.place];
         let shooting = Shooting {

@@ -65,6 +65,9 @@ impl CurveContinuation<'_> {
             return None;
         }
         let mut last = self.point(&last, &at.condition)?;
+        // Of the end of a branch, the orbit beside it is at the end of the range.
+        let off = (end - last.x[place]).abs();
+        last.uncertainty = last.uncertainty.map(|known| known + off);
         last.x[place] = end;
         last.parameters[place - self.place] = end;
         Some(CurveEnd {
@@ -227,6 +230,7 @@ impl CurveContinuation<'_> {
         (x[states - 2], x[states - 1]) = (parameters[0], parameters[1]);
         let last = CurvePoint {
             parameters,
+            uncertainty: None,
             t: at_zero(&odd, &|one| one.anchor.t),
             x,
             period: at_zero(&even, &|one| one.period),

@@ -28,6 +28,8 @@ use steps::Way;
 pub struct CurvePoint {
     /// The two parameters, which are the last two states; the branch parameter comes last.
     pub parameters: [f64; 2],
+    /// Uncertainty of the branch parameter, where that is extrapolated to the end of a branch.
+    pub uncertainty: Option<f64>,
     /// A time and a state on the orbit.
     pub t: f64,
     /// See `t`.
@@ -200,8 +202,10 @@ impl CurveContinuation<'_> {
     fn point(&self, cycle: &Cycle, condition: &CurveCondition) -> Option<CurvePoint> {
         let mut point = point(cycle);
         if let CurveCondition::Period(_, end) = condition {
-            point.parameters[1] = self.at_end(cycle, *end)?;
-            point.x[self.place + 1] = point.parameters[1];
+            let (place, uncertainty) = self.at_end(cycle, *end)?;
+            point.parameters[1] = place;
+            point.x[self.place + 1] = place;
+            point.uncertainty = Some(uncertainty);
         }
         Some(point)
     }
@@ -210,6 +214,7 @@ impl CurveContinuation<'_> {
 fn point(cycle: &Cycle) -> CurvePoint {
     CurvePoint {
         parameters: parameters(cycle),
+        uncertainty: None,
         t: cycle.anchor.t,
         x: cycle.anchor.x.clone(),
         period: cycle.period,
