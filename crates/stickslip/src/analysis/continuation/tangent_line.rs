@@ -41,18 +41,37 @@ pub(super) const LEAST_COSINE: f64 = 0.9;
 impl Units {
     /// The units at the first orbit of a branch. A state has the size of its range over the orbit,
     /// or of its change over the parameter's range by its rate along the branch, if that is more.
-    /// A state of which both are within the tolerances has the size of the orbit.
+    /// A state of which both are within the tolerances has the size of the orbit; so has one that
+    /// does not move where shorter steps of integration change its rate: beside a branch point,
+    /// that is rounding.
     pub fn at(shooting: &Shooting<'_>, first: &Cycle, width: f64) -> Self {
+        // Largest change of a rate by shorter steps. Chosen: of rounding, it is about 1.
+        const CONFIRMED: f64 = 0.5;
         let (begin, size) = (&first.outline.begin.x, first.extent);
         let parameter = begin.len() - 1;
         let row = first.outline.unit(parameter);
-        let tangent = first.jacobian.with_row(&row).tangent();
-        let change = |along: &Vector, i: usize| (along[i] / along[parameter] * width).abs();
+        let changes = |cycle: &Cycle| {
+            let along = cycle.jacobian.with_row(&row).tangent()?;
+            Some(along.rows(0, shooting.states) * (width / along[parameter]))
+        };
+        let none = || Vector::zeros(shooting.states);
+        let mut change = changes(first).unwrap_or_else(none);
+        let resolves =
+            |i: usize, own: f64| own > resolved(shooting.options.allowed(i, begin[i].abs()));
+        let rests = |i: usize| !resolves(i, first.ranges[i]);
+        if (0..shooting.states).any(|i| rests(i) && resolves(i, change[i].abs())) {
+            let fixed = Some((&row, begin[parameter]));
+            let finer = shooting.finer().solve(&first.outline, fixed);
+            let finer = finer.as_ref().and_then(changes).unwrap_or_else(none);
+            for (i, own) in change.iter_mut().enumerate() {
+                if rests(i) && (*own - finer[i]).abs() > CONFIRMED * own.abs() {
+                    *own = 0.0;
+                }
+            }
+        }
         let states = Vector::from_fn(shooting.states, |i, _| {
-            let change = tangent.as_ref().map_or(0.0, |along| change(along, i));
-            let own = first.ranges[i].max(change).min(size);
-            let resolved = resolved(shooting.options.allowed(i, begin[i].abs()));
-            if own > resolved { own } else { size }
+            let own = first.ranges[i].max(change[i].abs()).min(size);
+            if resolves(i, own) { own } else { size }
         });
         let other = None;
         Units {
