@@ -77,10 +77,12 @@ def set_version(version, date):
     write(DATES, date)
     dated = text_of("CHANGELOG.md").replace(heading[0], f"## {version} ({date})", 1)
     (HERE / "CHANGELOG.md").write_text(dated, encoding="utf-8")
-    # The lock file names the crates of the workspace with their versions.
-    done = run("cargo", "update", "--workspace", "--offline")
-    if done.returncode:
-        sys.exit(done.stderr)
+    # The lock files name the crates of the workspace with their versions.
+    for manifest in ["Cargo.toml", "fuzz/Cargo.toml"]:
+        there = ["--offline", "--manifest-path", manifest]
+        done = run("cargo", "update", "--workspace", *there)
+        if done.returncode:
+            sys.exit(done.stderr)
     print(f"{version}, {date}. Run `make report`, whose page cites the version, and commit.")
 
 
