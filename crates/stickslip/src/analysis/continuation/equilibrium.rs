@@ -6,7 +6,7 @@ use std::fmt;
 use nalgebra::Complex;
 
 use super::sequence_changes::STEP_BEYOND;
-use super::steps::SHORTEST_STEP;
+use super::stepping::{FIRST_STEP, Outcome, SHORTER, Stepping, follow};
 use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, Stop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::{
@@ -193,13 +193,16 @@ pub fn continue_equilibrium<Kind>(
         let again = continuation.solve(one.mode, &one.at.x, &[&by_parameter]);
         again.filter(|one| continuation.is_isolated(one))
     };
-    let first = first.and_then(by_own_units).ok_or(Error::NotFound {
+    let not_found = Error::NotFound {
         what: "an equilibrium near the start of the branch that is none of a set of equilibria",
         t: at.t,
         span: 0.0,
-    })?;
+    };
+    let first = first.and_then(by_own_units).ok_or(not_found.clone())?;
     let sign = if upwards { 1.0 } else { -1.0 };
-    Ok(continuation.follow(first, &(by_parameter * sign)))
+    continuation
+        .follow(first, &(by_parameter * sign))
+        .ok_or(not_found)
 }
 
 /// Modes with another mode of a contact.
@@ -597,86 +600,28 @@ impl EquilibriumContinuation<'_> {
         units
     }
 
-    fn follow(mut self, first: BranchEquilibrium, row: &Vector) -> EquilibriumBranch {
-        let mut branch = EquilibriumBranch {
+    /// Follows the branch from its first equilibrium to its end.
+    fn follow(self, first: BranchEquilibrium, row: &Vector) -> Option<EquilibriumBranch> {
+        let line = self.tangent(&first, row)?;
+        let mut steps = EquilibriumSteps {
+            step: FIRST_STEP * self.settings.step,
+            begin: (first.clone(), line.row.clone()),
             points: vec![first.point()],
             special: Vec::new(),
-            sizes: Vector::zeros(0),
-            stop: Stop::NoConvergence,
+            of: self,
+            last: first,
+            line,
         };
-        if let Some(line) = self.tangent(&first, row) {
-            branch.stop = self.go_on(&mut branch, first, line);
-        }
-        let states = self.units.len() - 1;
-        let points = branch.points.iter().map(|at| at.x.rows(0, states).abs());
-        let units = self.units.rows(0, states).into_owned();
-        branch.sizes = points.fold(units, |sizes, x| sizes.sup(&x));
-        branch
-    }
-
-    /// Follows the branch to its end.
-    fn go_on(
-        &mut self,
-        branch: &mut EquilibriumBranch,
-        mut last: BranchEquilibrium,
-        mut line: EquilibriumTangent,
-    ) -> Stop {
-        let (low, high) = self.settings.range;
-        let begin = (last.clone(), line.row.clone());
-        let mut step = 0.1 * self.settings.step;
-        loop {
-            let (here, heading) = (last.parameter(), line.heading());
-            if heading > 0.0 && here >= high || heading < 0.0 && here <= low {
-                return Stop::Range;
-            }
-            if branch.points.len() >= self.settings.most_points {
-                return Stop::Points;
-            }
-            if step < SHORTEST_STEP {
-                return Stop::NoConvergence;
-            }
-            let next = self.next(&line, step);
-            let onward = next
-                .as_ref()
-                .and_then(|(next, _)| self.tangent(next, &line.row));
-            let both = next
-                .zip(onward)
-                .filter(|(_, onward)| line.row.dot(&onward.direction) >= LEAST_COSINE);
-            let Some(((next, is_at_end), onward)) = both else {
-                step *= 0.3;
-                continue;
-            };
-            let length = line.row.dot(&(&next.at.x - &line.from));
-            let Some(mut zeros) = self.between(&line, (&last, &next), length) else {
-                step *= 0.3;
-                continue;
-            };
-            let closes = (branch.points.len() > 3).then(|| self.closes(&begin, &line, length));
-            let closes = closes.flatten();
-            zeros.retain(|(zero, _)| closes.is_none_or(|s| zero.s < s));
-            match self.record(branch, &line, zeros, length) {
-                Some(Err(stop)) => return stop,
-                Some(Ok(behind)) => (last, line) = behind,
-                None if closes.is_some() => {
-                    branch.points.push(begin.0.point());
-                    return Stop::Closed;
-                }
-                None if is_at_end => {
-                    branch.points.push(next.point());
-                    return Stop::Range;
-                }
-                None => {
-                    let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
-                    step = (longer * step).min(self.settings.step);
-                    branch.points.push(next.point());
-                    let states = self.units.len() - 1;
-                    for (size, own) in self.units.iter_mut().zip(&next.at.x).take(states) {
-                        *size = size.max(own.abs());
-                    }
-                    (last, line) = (next, onward);
-                }
-            }
-        }
+        let stop = follow(&mut steps);
+        let states = steps.of.units.len() - 1;
+        let of_states = |x: &Vector| x.rows(0, states).abs();
+        let points = steps.points.iter().map(|at| of_states(&at.x));
+        Some(EquilibriumBranch {
+            sizes: points.fold(of_states(&steps.of.units), |sizes, x| sizes.sup(&x)),
+            points: steps.points,
+            special: steps.special,
+            stop,
+        })
     }
 
     /// The place of the first equilibrium of the branch on a line, if the branch passes it there in
@@ -717,17 +662,102 @@ impl EquilibriumContinuation<'_> {
         next.at.x[place] = end;
         Some((next, true))
     }
+}
 
-    /// Records special equilibria on a line of a length. At a boundary, returns the equilibrium
+/// The steps along a branch.
+struct EquilibriumSteps<'a> {
+    of: EquilibriumContinuation<'a>,
+    points: Vec<EquilibriumPoint>,
+    special: Vec<SpecialEquilibrium>,
+    /// The first equilibrium, and the row of the plane across the branch there.
+    begin: (BranchEquilibrium, Vector),
+    last: BranchEquilibrium,
+    line: EquilibriumTangent,
+    step: f64,
+}
+
+impl Stepping for EquilibriumSteps<'_> {
+    type End = Stop;
+
+    fn step(&mut self) -> (&mut f64, f64) {
+        (&mut self.step, self.of.settings.step)
+    }
+
+    fn completed(&mut self) -> Option<Stop> {
+        let (low, high) = self.of.settings.range;
+        let (here, heading) = (self.last.parameter(), self.line.heading());
+        if heading > 0.0 && here >= high || heading < 0.0 && here <= low {
+            return Some(Stop::Range);
+        }
+        let is_enough = self.points.len() >= self.of.settings.most_points;
+        is_enough.then_some(Stop::Points)
+    }
+
+    fn take_step(&mut self, step: f64) -> Outcome<Stop> {
+        let shorter = Outcome::Shortened(SHORTER * step);
+        let line = &self.line;
+        let Some((next, is_at_end)) = self.of.next(line, step) else {
+            return shorter;
+        };
+        let onward = self.of.tangent(&next, &line.row);
+        let onward = onward.filter(|onward| line.row.dot(&onward.direction) >= LEAST_COSINE);
+        let Some(onward) = onward else {
+            return shorter;
+        };
+        let length = line.row.dot(&(&next.at.x - &line.from));
+        let Some(mut zeros) = self.of.between(line, (&self.last, &next), length) else {
+            return shorter;
+        };
+        let closes = (self.points.len() > 3)
+            .then(|| self.of.closes(&self.begin, line, length))
+            .flatten();
+        zeros.retain(|(zero, _)| closes.is_none_or(|s| zero.s < s));
+        match self.record(zeros, length) {
+            Some(Err(stop)) => return Outcome::End(stop),
+            Some(Ok(behind)) => {
+                (self.last, self.line) = behind;
+                return Outcome::Elsewhere;
+            }
+            None => {}
+        }
+        let point = if closes.is_some() {
+            self.begin.0.point()
+        } else {
+            next.point()
+        };
+        self.points.push(point);
+        if closes.is_some() {
+            return Outcome::End(Stop::Closed);
+        }
+        if is_at_end {
+            return Outcome::End(Stop::Range);
+        }
+        let units = self.of.units.iter_mut().zip(&next.at.x);
+        for (size, own) in units.take(self.begin.1.len() - 1) {
+            *size = size.max(own.abs());
+        }
+        let iterations = next.iterations;
+        (self.last, self.line) = (next, onward);
+        Outcome::Found {
+            length: step,
+            iterations,
+        }
+    }
+
+    fn name_end(&mut self) -> Stop {
+        Stop::NoConvergence
+    }
+}
+
+impl EquilibriumSteps<'_> {
+    /// Records special equilibria on the line over a length. At a boundary, returns the equilibrium
     /// with which the branch goes on and its tangent, or the end of the branch.
     fn record(
-        &self,
-        branch: &mut EquilibriumBranch,
-        line: &EquilibriumTangent,
+        &mut self,
         zeros: Vec<(LocatedZero<BranchEquilibrium>, EquilibriumBifurcation)>,
         length: f64,
     ) -> Option<Result<(BranchEquilibrium, EquilibriumTangent), Stop>> {
-        let (low, high) = self.settings.range;
+        let (low, high) = self.of.settings.range;
         let mut behind = None;
         for (zero, mut what) in zeros {
             match &mut what {
@@ -740,17 +770,17 @@ impl EquilibriumContinuation<'_> {
                     turns,
                     ..
                 } => {
-                    let begin = self.behind(&zero.solution, *contact);
+                    let begin = self.of.behind(&zero.solution, *contact);
                     if let Some((begin, onward)) = &begin {
                         *after = Some(begin.mode);
-                        *turns = line.heading() * onward.heading() < 0.0;
+                        *turns = self.line.heading() * onward.heading() < 0.0;
                     }
                     let parameter = zero.parameter;
                     behind = Some(begin.ok_or(Stop::BoundaryEquilibrium { parameter }));
                 }
                 _ => {}
             }
-            branch.special.push(SpecialEquilibrium {
+            self.special.push(SpecialEquilibrium {
                 parameter: zero.parameter,
                 uncertainty: with_last_digits(
                     (zero.parameter, zero.uncertainty),
@@ -758,9 +788,9 @@ impl EquilibriumContinuation<'_> {
                     (high - low, 1),
                 ),
                 what,
-                behind: branch.points.len(),
+                behind: self.points.len(),
                 x: zero.solution.at.x,
-                mode: line.mode,
+                mode: self.line.mode,
             });
         }
         behind

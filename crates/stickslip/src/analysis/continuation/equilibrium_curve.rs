@@ -4,12 +4,12 @@ use std::fmt;
 
 use nalgebra::Complex;
 
+use super::both_ways::{CurveEnd, FollowedCurve, SpecialOnCurve, follow_both_ways};
 use super::curve::others;
 use super::equilibrium::{
     BranchEquilibrium, EquilibriaOnLine, EquilibriumBifurcation, EquilibriumContinuation,
     EquilibriumTangent, ROUNDING, SpecialEquilibrium,
 };
-use super::steps::SHORTEST_STEP;
 use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, CurveStop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::ZERO;
@@ -203,34 +203,26 @@ pub fn continue_special_equilibrium<Kind>(
         ranges: [range, settings.range],
     };
     let first = curve.first(&begin.x, condition).ok_or(not_found)?;
-    let behind = curve.follow(&first, 1.0);
-    // A closed curve is the same in the other direction.
-    let before = match behind.stop {
-        CurveStop::Closed => Way::empty(CurveStop::Closed),
-        _ => curve.follow(&first, -1.0),
-    };
-    let mut points = before.points;
-    points.reverse();
-    let begun = points.len();
-    points.push(first.point());
-    points.extend(behind.points);
-    let mut special = before.special;
-    special.reverse();
-    for one in &mut special {
-        let is_end = one.parameters == points[0].parameters;
-        one.behind = (begun + 1).saturating_sub(one.behind + usize::from(is_end));
-    }
-    special.extend(behind.special.into_iter().map(|mut one| {
-        one.behind += begun;
-        one
-    }));
+    let whole = follow_both_ways(&curve, &first, first.point());
     Ok(EquilibriumCurve {
         at: at.clone(),
-        points,
-        special,
-        first: begun,
-        stops: [before.stop, behind.stop],
+        points: whole.points,
+        special: whole.special,
+        first: whole.first,
+        stops: whole.stops,
     })
+}
+
+impl SpecialOnCurve for EquilibriumCurveSpecial {
+    type What = EquilibriumCurveBifurcation;
+
+    fn known(&self) -> (&EquilibriumCurveBifurcation, [f64; 2], [f64; 2]) {
+        (&self.what, self.parameters, self.uncertainties)
+    }
+
+    fn behind(&mut self) -> &mut usize {
+        &mut self.behind
+    }
 }
 
 /// The function that vanishes on a curve.
@@ -320,7 +312,7 @@ impl Path for OnCurve<'_> {
     type Solution = CurveEquilibrium;
 
     fn on(&self, place: f64) -> Option<CurveEquilibrium> {
-        self.curve.next(self.from, place)
+        self.curve.on(self.from, place)
     }
 
     fn finer(&self, place: f64) -> Option<CurveEquilibrium> {
@@ -332,24 +324,6 @@ impl Path for OnCurve<'_> {
     }
 }
 
-/// The part of a curve in one direction from its first equilibrium.
-struct Way {
-    points: Vec<EquilibriumCurvePoint>,
-    /// `behind` counts the equilibria of this direction, with the first.
-    special: Vec<EquilibriumCurveSpecial>,
-    stop: CurveStop,
-}
-
-impl Way {
-    fn empty(stop: CurveStop) -> Self {
-        Way {
-            points: Vec::new(),
-            special: Vec::new(),
-            stop,
-        }
-    }
-}
-
 /// A zero of a function on the curve.
 struct Located {
     s: f64,
@@ -357,14 +331,8 @@ struct Located {
     uncertainties: [f64; 2],
 }
 
-/// An end of the curve: where, why, and the special equilibrium that it is, if any.
-struct End {
-    located: Located,
-    stop: CurveStop,
-    what: Option<EquilibriumCurveBifurcation>,
-    /// Number of the parameter that is at an end of its range, and that end.
-    bound: Option<(usize, f64)>,
-}
+/// An end of the curve.
+type End = CurveEnd<EquilibriumCurvePoint, EquilibriumCurveSpecial>;
 
 impl CurveOfEquilibria<'_> {
     fn value(&self, condition: Condition, one: &BranchEquilibrium) -> Option<f64> {
@@ -489,7 +457,7 @@ impl CurveOfEquilibria<'_> {
     }
 
     /// The equilibrium of the curve at a place on the line from another one.
-    fn next(&self, from: &CurveEquilibrium, s: f64) -> Option<CurveEquilibrium> {
+    fn on(&self, from: &CurveEquilibrium, s: f64) -> Option<CurveEquilibrium> {
         let guess = &from.along.from + &from.along.direction * s;
         self.corrected(from, guess, &from.along.row)
     }
@@ -573,30 +541,6 @@ impl CurveOfEquilibria<'_> {
         ]
     }
 
-    /// The special equilibria between two of the curve, in their order.
-    fn special(
-        &self,
-        (at, next): (&CurveEquilibrium, &CurveEquilibrium),
-        length: f64,
-    ) -> Vec<(Located, EquilibriumCurveBifurcation)> {
-        let mut found = Vec::new();
-        for (what, function) in self.tests() {
-            let (Some(a), Some(b)) = (function(at), function(next)) else {
-                continue;
-            };
-            if a * b < 0.0 {
-                let located = self.located(at, [(0.0, a), (length, b)], &function);
-                found.extend(located.map(|located| (located, what)));
-            }
-        }
-        if at.condition == Condition::Fold {
-            let cusp = self.cusp((at, next), length);
-            found.extend(cusp.map(|located| (located, EquilibriumCurveBifurcation::Cusp)));
-        }
-        found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
-        found
-    }
-
     /// The cusp between two folds, at which both parameters are at rest along the curve.
     fn cusp(
         &self,
@@ -623,22 +567,92 @@ impl CurveOfEquilibria<'_> {
         is_at_rest.then_some(located)
     }
 
-    /// The ends of the curve between two of its equilibria. `Err` where one could not be located.
+    /// The special equilibrium that was located on the curve.
+    fn described(
+        &self,
+        located: &Located,
+        what: EquilibriumCurveBifurcation,
+        behind: usize,
+    ) -> EquilibriumCurveSpecial {
+        EquilibriumCurveSpecial {
+            parameters: located.at.parameters(),
+            uncertainties: located.uncertainties,
+            what,
+            behind,
+            x: located.at.one.at.x.clone(),
+        }
+    }
+
+    /// The first equilibrium, if the curve comes back to it between two others.
+    fn closes(
+        &self,
+        (at, length): (&CurveEquilibrium, f64),
+        first: &CurveEquilibrium,
+    ) -> Option<End> {
+        let s = at.along.row.dot(&(&first.one.at.x - &at.along.from));
+        if !(0.0..=length).contains(&s) {
+            return None;
+        }
+        let found = self.on(at, s)?;
+        let is_first = self.of.are_same(&found.one.at.x, &first.one.at.x);
+        is_first.then(|| End {
+            s,
+            stop: CurveStop::Closed,
+            last: first.point(),
+            special: None,
+        })
+    }
+}
+
+impl FollowedCurve for CurveOfEquilibria<'_> {
+    type First = CurveEquilibrium;
+    type At = CurveEquilibrium;
+    type Point = EquilibriumCurvePoint;
+    type Special = EquilibriumCurveSpecial;
+
+    fn settings(&self) -> &ContinuationSettings {
+        self.of.settings
+    }
+
+    fn begin(&self, first: &CurveEquilibrium, sign: f64) -> Option<CurveEquilibrium> {
+        let mut at = first.clone();
+        at.along.direction *= sign;
+        at.along.row *= sign;
+        Some(at)
+    }
+
+    fn next(
+        &self,
+        at: &CurveEquilibrium,
+        step: f64,
+    ) -> Option<(CurveEquilibrium, EquilibriumCurvePoint, usize)> {
+        let next = self.on(at, step)?;
+        let (point, iterations) = (next.point(), next.one.iterations);
+        let bends_little = at.along.row.dot(&next.along.direction) >= LEAST_COSINE;
+        bends_little.then_some((next, point, iterations))
+    }
+
+    fn end_before(&self, _: &CurveEquilibrium, _: f64, _: usize) -> Option<End> {
+        None
+    }
+
     fn ends(
         &self,
         (at, next): (&CurveEquilibrium, &CurveEquilibrium),
-        length: f64,
-    ) -> Result<Vec<End>, ()> {
+        first: &CurveEquilibrium,
+        (length, number): (f64, usize),
+    ) -> Result<Vec<End>, Option<CurveStop>> {
         use EquilibriumCurveBifurcation as Name;
         let mut ends = Vec::new();
-        let end = |values: [f64; 2], function: &OfCurve<'_>, stop, what| {
+        let end = |values: [f64; 2], function: &OfCurve<'_>, stop, what: Option<Name>| {
             let places = [(0.0, values[0]), (length, values[1])];
-            let located = self.located(at, places, function).ok_or(())?;
-            Ok(End {
-                located,
+            let located = self.located(at, places, function);
+            let located = located.ok_or(None)?;
+            Ok::<End, Option<CurveStop>>(End {
+                s: located.s,
                 stop,
-                what,
-                bound: None,
+                last: located.at.point(),
+                special: what.map(|what| self.described(&located, what, number)),
             })
         };
         let product = |one: &CurveEquilibrium| match one.condition {
@@ -679,7 +693,7 @@ impl CurveOfEquilibria<'_> {
                 let (gradient, _) = flow.guard_gradient(guard.number, &next.one.at);
                 let rounding = ROUNDING * gradient.abs().dot(&x.abs().sup(&self.of.units));
                 if b < -rounding {
-                    return Err(());
+                    return Err(None);
                 }
             }
         }
@@ -691,103 +705,45 @@ impl CurveOfEquilibria<'_> {
             }
             let value = |one: &CurveEquilibrium| Some(one.parameters()[k] - bound);
             let off = [values[0][k] - bound, values[1][k] - bound];
-            ends.push(End {
-                bound: Some((k, bound)),
-                ..end(off, &value, CurveStop::Range, None)?
-            });
+            let mut end = end(off, &value, CurveStop::Range, None)?;
+            let place = end.last.x.len() - 2 + k;
+            end.last.parameters[k] = bound;
+            end.last.x[place] = bound;
+            ends.push(end);
+        }
+        if number > 3 {
+            ends.extend(self.closes((at, length), first));
         }
         Ok(ends)
     }
 
-    /// The first equilibrium, if the curve comes back to it between two others.
-    fn closes(
+    fn special(
         &self,
-        (at, length): (&CurveEquilibrium, f64),
-        first: &CurveEquilibrium,
-    ) -> Option<End> {
-        let s = at.along.row.dot(&(&first.one.at.x - &at.along.from));
-        if !(0.0..=length).contains(&s) {
-            return None;
+        (at, next): (&CurveEquilibrium, &CurveEquilibrium),
+        (length, number): (f64, usize),
+    ) -> Vec<(f64, EquilibriumCurveSpecial)> {
+        let mut found = Vec::new();
+        for (what, function) in self.tests() {
+            let (Some(a), Some(b)) = (function(at), function(next)) else {
+                continue;
+            };
+            if a * b < 0.0 {
+                let located = self.located(at, [(0.0, a), (length, b)], &function);
+                found.extend(located.map(|located| (located, what)));
+            }
         }
-        let found = self.next(at, s)?;
-        let is_first = self.of.are_same(&found.one.at.x, &first.one.at.x);
-        is_first.then(|| End {
-            located: Located {
-                s,
-                at: first.clone(),
-                uncertainties: [0.0; 2],
-            },
-            stop: CurveStop::Closed,
-            what: None,
-            bound: None,
-        })
+        if at.condition == Condition::Fold {
+            let cusp = self.cusp((at, next), length);
+            found.extend(cusp.map(|located| (located, EquilibriumCurveBifurcation::Cusp)));
+        }
+        found.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
+        let described = found
+            .iter()
+            .map(|(located, what)| (located.s, self.described(located, *what, number)));
+        described.collect()
     }
 
-    fn follow(&self, first: &CurveEquilibrium, sign: f64) -> Way {
-        // Ratio of a step to the one before, in which no equilibrium was found. Chosen, as for
-        // branches.
-        const SHORTER: f64 = 0.3;
-        let settings = self.of.settings;
-        let mut way = Way::empty(CurveStop::NoConvergence);
-        let mut at = first.clone();
-        at.along.direction *= sign;
-        at.along.row *= sign;
-        let mut step = settings.step;
-        loop {
-            let count = 1 + way.points.len();
-            if 2 * way.points.len() >= settings.most_points {
-                way.stop = CurveStop::Points;
-                return way;
-            }
-            if step < SHORTEST_STEP {
-                return way;
-            }
-            let next = self.next(&at, step);
-            let next = next.filter(|next| at.along.row.dot(&next.along.direction) >= LEAST_COSINE);
-            let Some(next) = next else {
-                step *= SHORTER;
-                continue;
-            };
-            let Ok(mut ends) = self.ends((&at, &next), step) else {
-                step *= SHORTER;
-                continue;
-            };
-            if count > 3 {
-                ends.extend(self.closes((&at, step), first));
-            }
-            let end = ends
-                .into_iter()
-                .min_by(|a, b| a.located.s.total_cmp(&b.located.s));
-            let described = |located: &Located, what| EquilibriumCurveSpecial {
-                parameters: located.at.parameters(),
-                uncertainties: located.uncertainties,
-                what,
-                behind: count,
-                x: located.at.one.at.x.clone(),
-            };
-            let special = self.special((&at, &next), step);
-            let special = special
-                .into_iter()
-                .filter(|(located, _)| end.as_ref().is_none_or(|end| located.s < end.located.s));
-            way.special
-                .extend(special.map(|(located, what)| described(&located, what)));
-            if let Some(end) = end {
-                way.special
-                    .extend(end.what.map(|what| described(&end.located, what)));
-                let mut last = end.located.at.point();
-                if let Some((k, bound)) = end.bound {
-                    let place = last.x.len() - 2 + k;
-                    last.parameters[k] = bound;
-                    last.x[place] = bound;
-                }
-                way.points.push(last);
-                way.stop = end.stop;
-                return way;
-            }
-            way.points.push(next.point());
-            let longer = if next.one.iterations <= 5 { 1.4 } else { 1.0 };
-            step = (longer * step).min(settings.step);
-            at = next;
-        }
+    fn last_end(&self, _: &CurveEquilibrium, _: f64, _: usize) -> Result<End, CurveStop> {
+        Err(CurveStop::NoConvergence)
     }
 }

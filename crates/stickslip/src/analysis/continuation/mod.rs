@@ -1,12 +1,14 @@
 //! Continuation of periodic orbits, stable or not, along a parameter through folds and changes of
 //! their phases.
 
+mod both_ways;
 mod curve;
 mod ends;
 mod equilibrium;
 mod equilibrium_curve;
 mod homoclinic;
 mod sequence_changes;
+mod stepping;
 mod steps;
 mod switching;
 mod tangent_line;

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 
+use super::stepping::{FIRST_STEP, Outcome, SHORTER, SHORTEST_STEP, Stepping, follow};
 use super::tangent_line::{TangentLine, Units};
 use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
@@ -16,13 +17,6 @@ use crate::filippov::Options;
 /// Precision to which an end of a branch is located, as a fraction of the parameter's range or of a
 /// step. Chosen: at the usual tolerances, orbits are no more accurate.
 pub(super) const RESOLUTION: f64 = 1e-11;
-
-/// Shortest step. Chosen: behind it a branch that goes on could be followed with ever shorter
-/// steps, each of which costs as much as a long one.
-pub(super) const SHORTEST_STEP: f64 = 1e-7;
-
-/// First step of a branch, as a fraction of the longest one. Chosen: later steps grow by 1.4 each.
-pub(super) const FIRST_STEP: f64 = 0.1;
 
 /// Longest step, as a fraction of the orbit's own extent, where the branch may end as that
 /// vanishes. Chosen: an orbit that shrinks is then followed through ten orbits or more for each
@@ -182,21 +176,11 @@ impl<'a> Continuation<'a> {
         if self.branch.points.len() == 1 && self.leaves_range() {
             return Stop::Range;
         }
-        loop {
-            let is_spent = self.shooting.budget.is_some_and(StepBudget::is_spent);
-            let is_enough = is_spent || observe(&self.branch).is_break();
-            if is_enough || self.branch.points.len() >= self.settings.most_points {
-                return Stop::Points;
-            }
-            let end = self.shrinks().or_else(|| self.advance());
-            match end.or_else(|| self.closes()) {
-                None => {}
-                Some(Stop::NoConvergence) => {
-                    return self.homoclinic_end().unwrap_or(Stop::NoConvergence);
-                }
-                Some(stop) => return stop,
-            }
-        }
+        let continuation = self;
+        follow(&mut BranchSteps {
+            continuation,
+            observe,
+        })
     }
 
     /// Follows the branch to one of the special orbits of a kind, by its number counted from 0.
@@ -224,12 +208,12 @@ impl<'a> Continuation<'a> {
     }
 
     /// Takes a step, or passes a change of the phases.
-    fn advance(&mut self) -> Option<Stop> {
+    fn advance(&mut self) -> Outcome<Stop> {
         if self.branch.last.is_badly_cut() {
             self.cut_anew();
         }
         let Some(line) = self.branch.line.clone() else {
-            return Some(Stop::NoConvergence);
+            return Outcome::Lost;
         };
         let mut step = self.branch.step;
         // Only friction ends the motion of a driven system. Without it the branch goes on at rest.
@@ -246,14 +230,14 @@ impl<'a> Continuation<'a> {
             if step < SHORTEST_STEP {
                 return match self.vanished_segment(&line, place) {
                     Some(change) => self.pass_change(change),
-                    None => Some(Stop::NoConvergence),
+                    None => Outcome::Lost,
                 };
             }
         }
         let (low, high) = self.settings.range;
         let next = line.on(&self.shooting, step);
         let Some(mut next) = next.filter(Cycle::is_differentiable) else {
-            return self.shorten(step, 0.3);
+            return Outcome::Shortened(SHORTER * step);
         };
         let is_outside = !self.is_in_range(&next);
         if is_outside {
@@ -264,7 +248,7 @@ impl<'a> Continuation<'a> {
             let row = guess.unit(self.place());
             let at_end = self.shooting.solve(&guess, Some((&row, end)));
             let Some(at_end) = at_end.filter(Cycle::is_differentiable) else {
-                return self.shorten(step, 0.3);
+                return Outcome::Shortened(SHORTER * step);
             };
             next = at_end;
         }
@@ -272,30 +256,33 @@ impl<'a> Continuation<'a> {
         let bends = |onward: &TangentLine| !line.bends_little(onward);
         let strays = line.strays(&self.shooting, &self.branch.units, &next);
         if strays || onward.as_ref().is_some_and(bends) {
-            return self.shorten(step, 0.5);
+            return Outcome::Shortened(0.5 * step);
         }
         // Beside a flip, Newton's method may lead to the half's branch.
         if [&next, &self.branch.last].map(Cycle::is_half_twice) == [Some(true), Some(false)] {
-            return self.shorten(step, 0.5);
+            return Outcome::Shortened(0.5 * step);
         }
         match self.change_before(&line, &next) {
-            Err(()) => return self.shorten(step, 0.5),
+            Err(()) => return Outcome::Shortened(0.5 * step),
             Ok(Some(change)) => return self.pass_change(change),
             Ok(None) => {}
         }
         if let Some(why) = self.refused(&next.anchor) {
-            return Some(self.go_to_edge(&line, line.place(&next), why));
+            return Outcome::End(self.go_to_edge(&line, line.place(&next), why));
         }
         if self.is_homoclinic(&next) {
-            return Some(Stop::NoConvergence);
+            return Outcome::Lost;
         }
-        let longer = if next.iterations <= 5 { 1.4 } else { 1.0 };
-        self.branch.step = (longer * step).min(self.settings.step);
+        let found = Outcome::Found {
+            length: step,
+            iterations: next.iterations,
+        };
         let end = self.follow(&line, next, onward);
         if self.junction.is_some() {
-            return Some(Stop::Points);
+            return Outcome::End(Stop::Points);
         }
-        end.or(is_outside.then_some(Stop::Range))
+        let end = end.or(is_outside.then_some(Stop::Range));
+        end.map_or(found, Outcome::End)
     }
 
     /// Whether the period grows while the parameter changes by no more than the tolerance.
@@ -324,16 +311,6 @@ impl<'a> Continuation<'a> {
     pub(super) fn is_in_range(&self, cycle: &Cycle) -> bool {
         let (low, high) = self.settings.range;
         (low..=high).contains(&parameter_of(cycle))
-    }
-
-    /// Shortens the next step; the branch ends if it is too short for that.
-    fn shorten(&mut self, step: f64, part: f64) -> Option<Stop> {
-        self.branch.step = part * step;
-        if self.branch.step >= SHORTEST_STEP {
-            return None;
-        }
-        let end = self.boundary_equilibrium();
-        end.or(Some(Stop::NoConvergence))
     }
 
     /// Reason for which the system cannot be integrated over a period from a moment of the last
@@ -458,5 +435,50 @@ impl<'a> Continuation<'a> {
                 .map_or_else(Vec::new, |of| of.multipliers),
             sequence: self.branch.last.outline.modes(),
         });
+    }
+}
+
+/// The steps along a branch, each of which is observed.
+struct BranchSteps<'c, 'a, 'o> {
+    continuation: &'c mut Continuation<'a>,
+    observe: &'o mut dyn FnMut(&PartialBranch) -> ControlFlow<()>,
+}
+
+impl Stepping for BranchSteps<'_, '_, '_> {
+    type End = Stop;
+
+    fn step(&mut self) -> (&mut f64, f64) {
+        let longest = self.continuation.settings.step;
+        (&mut self.continuation.branch.step, longest)
+    }
+
+    fn completed(&mut self) -> Option<Stop> {
+        let of = &self.continuation;
+        let is_spent = of.shooting.budget.is_some_and(StepBudget::is_spent);
+        let is_enough = is_spent || (self.observe)(&of.branch).is_break();
+        if is_enough || of.branch.points.len() >= of.settings.most_points {
+            return Some(Stop::Points);
+        }
+        of.shrinks()
+    }
+
+    fn take_step(&mut self, _: f64) -> Outcome<Stop> {
+        let outcome = self.continuation.advance();
+        if !matches!(outcome, Outcome::Found { .. } | Outcome::Elsewhere) {
+            return outcome;
+        }
+        match self.continuation.closes() {
+            Some(Stop::NoConvergence) => Outcome::Lost,
+            Some(stop) => Outcome::End(stop),
+            None => outcome,
+        }
+    }
+
+    fn name_end(&mut self) -> Stop {
+        let of = &self.continuation;
+        let is_short = of.branch.step < SHORTEST_STEP;
+        let boundary = is_short.then(|| of.boundary_equilibrium()).flatten();
+        let end = boundary.or_else(|| of.homoclinic_end());
+        end.unwrap_or(Stop::NoConvergence)
     }
 }

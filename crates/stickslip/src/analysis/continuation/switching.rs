@@ -4,7 +4,8 @@
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 
-use super::steps::{Continuation, FIRST_STEP, Junction};
+use super::stepping::FIRST_STEP;
+use super::steps::{Continuation, Junction};
 use super::tangent_line::{TangentLine, Units};
 use super::{Branch, ContinuationSettings, CycleBifurcation, SpecialPoint, Stop};
 use crate::analysis::cycle::{Cycle, Shooting};

@@ -5,6 +5,7 @@ use std::fmt;
 use nalgebra::Complex;
 
 use super::super::CycleBifurcation;
+use super::super::both_ways::SpecialOnCurve;
 use super::CurveKind;
 use crate::analysis::cycle::SequenceBifurcation;
 use crate::dynamics::Vector;
@@ -90,14 +91,15 @@ pub struct CurveSpecialPoint {
     pub period: f64,
 }
 
-impl CurveSpecialPoint {
-    /// Whether another one is this one, to within the uncertainties.
-    pub(super) fn is_same(&self, other: &Self) -> bool {
-        let is_near = |k: usize| {
-            let known = self.uncertainties[k] + other.uncertainties[k];
-            (self.parameters[k] - other.parameters[k]).abs() <= known
-        };
-        self.what == other.what && is_near(0) && is_near(1)
+impl SpecialOnCurve for CurveSpecialPoint {
+    type What = CurveBifurcation;
+
+    fn known(&self) -> (&CurveBifurcation, [f64; 2], [f64; 2]) {
+        (&self.what, self.parameters, self.uncertainties)
+    }
+
+    fn behind(&mut self) -> &mut usize {
+        &mut self.behind
     }
 }
 

@@ -8,6 +8,7 @@ mod meetings;
 mod special;
 mod steps;
 
+use super::both_ways::follow_both_ways;
 use super::steps::{Continuation, Junction};
 use super::tangent_line::Units;
 use super::{ContinuationSettings, SpecialPoint, check_start};
@@ -20,7 +21,6 @@ pub use branch_end::continue_end;
 pub(super) use codimension_two::others;
 pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
 use condition::CurveCondition;
-use steps::Way;
 
 /// An orbit on a curve of special ones.
 #[derive(Clone, Debug, PartialEq)]
@@ -160,40 +160,14 @@ fn follow_from(
     const BEGIN: &str = "an orbit to begin the curve with";
     let first = curve.solve((&condition, cycle.steps), &cycle.outline, plane);
     let (first, condition) = first.ok_or(not_found(BEGIN))?;
-    let follow = |sign: f64| curve.follow(&first, condition.clone(), sign);
-    let behind = follow(1.0);
-    // A closed curve is the same in the other direction.
-    let before = match behind.stop {
-        CurveStop::Closed => Way::empty(CurveStop::Closed),
-        _ => follow(-1.0),
-    };
-    let mut points = before.points;
-    points.reverse();
-    let begun = points.len();
-    points.push(curve.point(&first, &condition).ok_or(not_found(BEGIN))?);
-    points.extend(behind.points);
-    let mut special = before.special;
-    special.reverse();
-    // The first orbit may be a special one, which both directions then find.
-    if let (Some(one), Some(other)) = (special.last(), behind.special.first())
-        && one.is_same(other)
-    {
-        special.pop();
-    }
-    for one in &mut special {
-        let is_end = one.parameters == points[0].parameters;
-        one.behind = (begun + 1).saturating_sub(one.behind + usize::from(is_end));
-    }
-    special.extend(behind.special.into_iter().map(|one| CurveSpecialPoint {
-        behind: begun + one.behind,
-        ..one
-    }));
+    let point = curve.point(&first, &condition).ok_or(not_found(BEGIN))?;
+    let whole = follow_both_ways(&curve, &(first, condition), point);
     Ok(Curve {
         at,
-        points,
-        special,
-        first: begun,
-        stops: [before.stop, behind.stop],
+        points: whole.points,
+        special: whole.special,
+        first: whole.first,
+        stops: whole.stops,
     })
 }
 

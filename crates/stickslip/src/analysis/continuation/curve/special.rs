@@ -93,7 +93,7 @@ impl CurveContinuation<'_> {
     }
 
     /// The special orbits between two orbits of the curve, in their order, with their places.
-    pub(super) fn special(
+    pub(super) fn special_between(
         &self,
         at: &CurvePosition,
         next: &CurvePosition,

@@ -1,37 +1,12 @@
 //! The steps along a curve in one direction.
 
-use super::super::steps::SHORTEST_STEP;
+use super::super::ContinuationSettings;
+use super::super::both_ways::{self, FollowedCurve};
+use super::super::stepping::SHORTER;
 use super::super::tangent_line::TangentLine;
 use super::condition::CurveCondition;
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop};
 use crate::analysis::cycle::{Cycle, Outline};
-
-/// The part of a curve in one direction from its first orbit.
-pub(super) struct Way {
-    /// The orbits behind the first.
-    pub points: Vec<CurvePoint>,
-    /// The special orbits; `behind` counts the orbits of this direction, with the first.
-    pub special: Vec<CurveSpecialPoint>,
-    pub stop: CurveStop,
-}
-
-impl Way {
-    /// A direction in which there is no orbit.
-    pub fn empty(stop: CurveStop) -> Self {
-        Way {
-            points: Vec::new(),
-            special: Vec::new(),
-            stop,
-        }
-    }
-
-    /// Ends it.
-    fn end(&mut self, end: CurveEnd) {
-        self.points.push(end.last);
-        self.special.extend(end.special);
-        self.stop = end.stop;
-    }
-}
 
 /// An orbit of the curve, and how the curve goes on from there.
 pub(super) struct CurvePosition {
@@ -52,15 +27,7 @@ impl CurvePosition {
 }
 
 /// An end of the curve.
-pub(super) struct CurveEnd {
-    /// Place on the line.
-    pub s: f64,
-    pub stop: CurveStop,
-    /// The last orbit.
-    pub last: CurvePoint,
-    /// Special orbit that the last point is, if any.
-    pub special: Option<CurveSpecialPoint>,
-}
+pub(super) type CurveEnd = both_ways::CurveEnd<CurvePoint, CurveSpecialPoint>;
 
 impl CurveContinuation<'_> {
     /// The orbit of the curve in the plane across a line at a place.
@@ -94,112 +61,103 @@ impl CurveContinuation<'_> {
         let direction = next.outline.unknowns() - first.outline.unknowns();
         TangentLine::along(&self.shooting, &self.units, first, direction)
     }
+}
 
-    /// The next orbit, if the curve bends little on the way to it.
-    fn next(&self, at: &CurvePosition, step: f64) -> Option<CurvePosition> {
+impl FollowedCurve for CurveContinuation<'_> {
+    type First = (Cycle, CurveCondition);
+    type At = CurvePosition;
+    type Point = CurvePoint;
+    type Special = CurveSpecialPoint;
+
+    fn settings(&self) -> &ContinuationSettings {
+        self.settings
+    }
+
+    fn begin(&self, (first, condition): &Self::First, sign: f64) -> Option<CurvePosition> {
+        Some(CurvePosition {
+            cycle: first.clone(),
+            values: self.values(first, condition),
+            condition: condition.clone(),
+            line: self.first_line(first, condition, sign)?,
+        })
+    }
+
+    fn next(&self, at: &CurvePosition, step: f64) -> Option<(CurvePosition, CurvePoint, usize)> {
         let (cycle, condition) = self.on(at, step)?;
         let line = self.secant(&at.line.from, &cycle)?;
-        at.line.bends_little(&line).then(|| CurvePosition {
+        if !at.line.bends_little(&line) {
+            return None;
+        }
+        let point = self.point(&cycle, &condition)?;
+        let iterations = cycle.iterations;
+        let next = CurvePosition {
             values: self.values(&cycle, &condition),
             cycle,
             condition,
             line,
-        })
+        };
+        Some((next, point, iterations))
     }
 
-    pub(super) fn follow(&self, first: &Cycle, condition: CurveCondition, sign: f64) -> Way {
-        let mut way = Way::empty(CurveStop::NoConvergence);
-        let Some(line) = self.first_line(first, &condition, sign) else {
-            return way;
-        };
-        let mut at = CurvePosition {
-            cycle: first.clone(),
-            values: self.values(first, &condition),
-            condition,
-            line,
-        };
-        // Ratio of a step to the one before, in which no orbit was found. Chosen, as for branches.
-        const SHORTER: f64 = 0.3;
+    fn end_before(&self, at: &CurvePosition, step: f64, orbits: usize) -> Option<CurveEnd> {
+        self.vanishing(at, step, orbits)
+    }
+
+    fn ends(
+        &self,
+        (at, next): (&CurvePosition, &CurvePosition),
+        (first, _): &Self::First,
+        (step, orbits): (f64, usize),
+    ) -> Result<Vec<CurveEnd>, Option<CurveStop>> {
         // Shortest step in which a change of the phases must be located, as a fraction of the
         // longest one. Chosen, as where branches are.
         const DECISIVE_STEP: f64 = 1e-3;
-        let mut step = self.settings.step;
-        loop {
-            if 2 * way.points.len() >= self.settings.most_points {
-                way.stop = CurveStop::Points;
-                return way;
+        let half = self.flip_of_half(at, next, orbits);
+        let resonance = match half {
+            Some(_) => None,
+            None => self.resonance(at, next, orbits),
+        };
+        let closed = match orbits {
+            ..=3 => None,
+            _ => self.closes(at, next, first),
+        };
+        let tangency = self.cubic_tangency(at, next, orbits);
+        let ends = [half, resonance, closed, tangency];
+        let mut ends: Vec<CurveEnd> = ends.into_iter().flatten().collect();
+        let is_short = step <= self.settings.step * DECISIVE_STEP;
+        let change = self.change(at, next, orbits);
+        let range = self.is_outside(&next.cycle);
+        let range = range.then(|| self.end_of_range(at, next, step));
+        match (change, range) {
+            (Err(()), _) if ends.is_empty() && is_short => Err(Some(CurveStop::AnotherChange)),
+            // Without an orbit at the end of the range, the curve has not come there.
+            (Err(()), _) | (_, Some(None)) if ends.is_empty() => Err(None),
+            (change, range) => {
+                ends.extend(change.ok().flatten());
+                ends.extend(range.flatten());
+                Ok(ends)
             }
-            if step < SHORTEST_STEP {
-                if let Some(end) = self.arrival(&at, 1 + way.points.len()) {
-                    way.end(end);
-                } else if !at.line.vanishing(step / SHORTER).is_empty() {
-                    way.stop = CurveStop::AnotherChange;
-                }
-                return way;
-            }
-            let orbits = 1 + way.points.len();
-            let Some(next) = self.next(&at, step) else {
-                match self.vanishing(&at, step, orbits) {
-                    Some(end) => {
-                        way.end(end);
-                        return way;
-                    }
-                    None => step *= SHORTER,
-                }
-                continue;
-            };
-            let Some(next_point) = self.point(&next.cycle, &next.condition) else {
-                step *= SHORTER;
-                continue;
-            };
-            let half = self.flip_of_half(&at, &next, orbits);
-            let resonance = match half {
-                Some(_) => None,
-                None => self.resonance(&at, &next, orbits),
-            };
-            let closed = match orbits {
-                ..=3 => None,
-                _ => self.closes(&at, &next, first),
-            };
-            let tangency = self.cubic_tangency(&at, &next, orbits);
-            let ends = [half, resonance, closed, tangency];
-            let mut ends: Vec<CurveEnd> = ends.into_iter().flatten().collect();
-            let is_short = step <= self.settings.step * DECISIVE_STEP;
-            let change = self.change(&at, &next, orbits);
-            let range = self.is_outside(&next.cycle);
-            let range = range.then(|| self.end_of_range(&at, &next, step));
-            match (change, range) {
-                // Without an orbit at the end of the range, the curve has not come there.
-                (_, Some(None)) | (Err(()), _) if ends.is_empty() && !is_short => {
-                    step *= SHORTER;
-                    continue;
-                }
-                (Err(()), _) if ends.is_empty() => {
-                    way.stop = CurveStop::AnotherChange;
-                    return way;
-                }
-                (_, Some(None)) if ends.is_empty() => {
-                    step *= SHORTER;
-                    continue;
-                }
-                (change, range) => {
-                    ends.extend(change.ok().flatten());
-                    ends.extend(range.flatten());
-                }
-            }
-            let special = self.special(&at, &next, orbits);
-            let end = ends.into_iter().min_by(|a, b| a.s.total_cmp(&b.s));
-            let before = |s: f64| end.as_ref().is_none_or(|end| s < end.s);
-            let special = special.into_iter().filter(|(s, _)| before(*s));
-            way.special.extend(special.map(|(_, one)| one));
-            if let Some(end) = end {
-                way.end(end);
-                return way;
-            }
-            way.points.push(next_point);
-            let longer = if next.cycle.iterations <= 5 { 1.4 } else { 1.0 };
-            step = (longer * step).min(self.settings.step);
-            at = next;
         }
+    }
+
+    fn special(
+        &self,
+        (at, next): (&CurvePosition, &CurvePosition),
+        (_, orbits): (f64, usize),
+    ) -> Vec<(f64, CurveSpecialPoint)> {
+        self.special_between(at, next, orbits)
+    }
+
+    fn last_end(
+        &self,
+        at: &CurvePosition,
+        step: f64,
+        orbits: usize,
+    ) -> Result<CurveEnd, CurveStop> {
+        let is_alone = || at.line.vanishing(step / SHORTER).is_empty();
+        self.arrival(at, orbits).ok_or_else(|| match is_alone() {
+            true => CurveStop::NoConvergence,
+            false => CurveStop::AnotherChange,
+        })
     }
 }
