@@ -72,3 +72,69 @@ pub(super) fn follow<S: Stepping>(steps: &mut S) -> S::End {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line on which no step of more than the distance to its end finds anything.
+    struct ToEnd {
+        at: f64,
+        end: f64,
+        step: f64,
+        taken: Vec<f64>,
+    }
+
+    impl Stepping for ToEnd {
+        type End = &'static str;
+
+        fn step(&mut self) -> (&mut f64, f64) {
+            (&mut self.step, 0.3)
+        }
+
+        fn completed(&mut self) -> Option<&'static str> {
+            (self.taken.len() == 1000).then_some("enough")
+        }
+
+        fn take_step(&mut self, length: f64) -> Outcome<&'static str> {
+            if self.at + length > self.end {
+                return Outcome::Shortened(SHORTER * length);
+            }
+            self.at += length;
+            self.taken.push(length);
+            let iterations = if self.at > 0.5 { 6 } else { 5 };
+            Outcome::Found { length, iterations }
+        }
+
+        fn name_end(&mut self) -> &'static str {
+            "the end"
+        }
+    }
+
+    #[test]
+    fn steps_grow_to_the_longest_and_shrink_to_the_end() {
+        let begin = |end: f64| ToEnd {
+            at: 0.0,
+            end,
+            step: 0.01,
+            taken: Vec::new(),
+        };
+        let mut steps = begin(1.0);
+        assert_eq!(follow(&mut steps), "the end");
+        assert!((1.0 - SHORTEST_STEP / SHORTER..=1.0).contains(&steps.at));
+        let easy = steps.taken.windows(2).take_while(|two| two[0] < two[1]);
+        let easy = easy.map(|two| two[1] / two[0]).collect::<Vec<_>>();
+        assert!(easy.len() > 5 && easy.iter().all(|ratio| (ratio - 1.4).abs() < 1e-12));
+        // A corrector that labours keeps the length.
+        let largest = steps
+            .taken
+            .iter()
+            .fold(0.0, |most: f64, one| most.max(*one));
+        assert!(largest < 0.3 && steps.taken.iter().filter(|one| **one == largest).count() > 1);
+        let mut endless = begin(f64::INFINITY);
+        assert_eq!(
+            (follow(&mut endless), endless.taken.len()),
+            ("enough", 1000)
+        );
+    }
+}
