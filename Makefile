@@ -192,6 +192,7 @@ dist: ## What a release consists of, in dist/: crates, wheel, program; needs Pyt
 	cd dist && sha256sum *.whl *.crate *.tar.gz > SHA256SUMS && cat SHA256SUMS
 
 release-check: ## What is left before a release: versions, licences, public names, empty fields
+	$(CARGO) check --manifest-path fuzz/Cargo.toml --target-dir target/fuzz-check
 	$(PYTHON) archive/release.py check
 
 format: ## Formatting and lines, in seconds; the first part of `make check`

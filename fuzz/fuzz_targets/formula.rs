@@ -6,7 +6,9 @@
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
+use stickslip::dynamics::Modes;
 use stickslip::scalar::Dual;
+use stickslip::{Mode, Side};
 use stickslip_model::expression::parse_condition;
 use stickslip_model::file::{System, SystemFile};
 
@@ -28,13 +30,20 @@ fuzz_target!(|text: &str| {
     };
     // One more level may be too deep.
     let in_parentheses = SYSTEM.observed(&format!("({text})"), &[]);
-    for (t, x) in [(0.0, [0.0, 0.0]), (1.5, [-0.3, 2.0])] {
-        let value: f64 = formula.value(t, &x);
+    let modes = [
+        Mode::Slip(Side::Below),
+        Mode::Slip(Side::Above),
+        Mode::Stick,
+    ];
+    let at = [(0.0, [0.0, 0.0]), (1.5, [-0.3, 2.0])];
+    for (mode, (t, x)) in modes.into_iter().flat_map(|mode| at.map(|at| (mode, at))) {
+        let modes = Modes::new(&[mode]);
+        let value: f64 = formula.value(modes, t, &x);
         if let Ok(same) = &in_parentheses {
-            let same: f64 = same.value(t, &x);
+            let same: f64 = same.value(modes, t, &x);
             assert!(value.to_bits() == same.to_bits() || value.is_nan() && same.is_nan());
         }
         let along = x.map(|x| Dual::new(x, 1.0));
-        let _: Dual<f64> = formula.value(t, &along);
+        let _: Dual<f64> = formula.value(modes, t, &along);
     }
 });
