@@ -40,7 +40,7 @@ from ._errors import (
     SystemError,
 )
 from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyapunov_spectrum
-from ._fit import FitResult, Record, fit
+from ._fit import FitResult, Record, SeenPhases, fit
 from ._orbits import (
     Branch,
     EquilibriumBranch,
@@ -117,6 +117,7 @@ __all__ = [
     "PeriodicOrbit",
     "PoincareMap",
     "Record",
+    "SeenPhases",
     "Solution",
     "SolverWarning",
     "State",

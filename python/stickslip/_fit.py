@@ -151,6 +151,35 @@ def _read(data: Any, columns: Sequence[str], which: int) -> list[Floats]:
     return found + [_column(data[name], name, len(found[0])) for name in columns]
 
 
+@dataclass(frozen=True)
+class SeenPhases:
+    """Phases of a contact as the data show them, beside those at the fit.
+
+    Attributes
+    ----------
+    column : str
+        The column that shows them.
+    data : list of (float, float, str)
+        Start, end and mode of the phases of the data.
+    fit : list of (float, float, str)
+        Those of the fitted motion, seen in the same rows in the same way.
+    """
+
+    column: str
+    data: list[tuple[float, float, str]]
+    fit: list[tuple[float, float, str]]
+
+    @property
+    def same(self) -> bool:
+        """Whether both have the same sequence of modes."""
+        return [one[2] for one in self.data] == [one[2] for one in self.fit]
+
+    @property
+    def sticks(self) -> tuple[int, int]:
+        """The number of sticks in the data and at the fit."""
+        return sum(one[2] == "S" for one in self.data), sum(one[2] == "S" for one in self.fit)
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class FitResult(Result):
     """A fit of parameters, starts and offsets.
@@ -186,6 +215,13 @@ class FitResult(Result):
         and the chance that independent noise has as unlikely an order of signs.
     phases : list of list of (float, float, str)
         Start, end and modes of the phases of each record.
+    seen : list of dict
+        For each record, by the name of a contact, the phases that the data show, where a column is
+        the slip or the way of the contact and its noise does not hide it: a `SeenPhases`.
+    phases_off : list of dict of list of (int, int, float, float)
+        For each record, by column, the phases whose residuals are too large for the noise: the
+        number of the phase from 0, that of its values, the size of their residuals over the
+        deviation of the noise, and the chance that noise has as large ones.
     cost : float
         Half the sum of squares of the residuals over their deviations.
     mismatch : float or None
@@ -228,6 +264,8 @@ class FitResult(Result):
     sigma: list[dict[str, float]]
     p_values: list[dict[str, float]]
     phases: list[list[tuple[float, float, str]]]
+    seen: list[dict[str, SeenPhases]]
+    phases_off: list[dict[str, list[tuple[int, int, float, float]]]]
     cost: float
     mismatch: float | None
     freedom: int
@@ -297,7 +335,13 @@ class FitResult(Result):
             for name, p_value in of_record.items():
                 rms = self.rms[number][name]
                 rest = f"a systematic remainder, p = {p_value:.0e}" if p_value < 0.01 else ""
+                off = len(self.phases_off[number][name])
+                rest += f"; too large in {off} of {len(self.phases[number])} phases" if off else ""
                 rows.append(f"  {name} of record {number + 1}: rms {rms:.3e} {rest}".rstrip())
+            for contact, seen in self.seen[number].items():
+                data, fit = seen.sticks
+                rest = "as at the fit" if seen.same else f"another sequence, {fit} at the fit"
+                rows.append(f"  {contact} from {seen.column}: {data} sticks in the data, {rest}")
         for values, cost in self.others:
             pairs = (f"{name} = {value:.8g}" for name, value in zip(self.names, values))
             rows.append(f"  another minimum: {', '.join(pairs)}, cost {cost:.4e}")
@@ -353,6 +397,12 @@ class FitResult(Result):
                         one.axvspan(max(begin, times[0]), end, color="#fbe3c0", lw=0)
             above.plot(times, self.data[record][name], ".", color="black", label="measured")
             above.plot(times, self.model[record][name], color=COLOURS[0], label="fit")
+            for seen in self.seen[record].values():
+                lowest = min(np.nanmin(self.data[record][name]), np.min(self.model[record][name]))
+                sticks = [one[:2] for one in seen.data if one[2] == "S"]
+                if seen.column == name and sticks:
+                    how: dict[str, Any] = {"lw": 3, "label": "sticks in the data"}
+                    above.hlines([lowest] * len(sticks), *zip(*sticks), COLOURS[1], **how)
             above.set_ylabel(name)
             above.legend(frameon=False)
             below.plot(times, self.residuals[record][name], ".", color=COLOURS[5])
@@ -511,7 +561,11 @@ def fit(
     )
     at = list(zip(found.pop("records"), found.pop("observables")))
     columns = list(formulas)
-    for name in ("model", "residuals", "rms", "sigma", "p_values"):
+    seen: list[dict[str, SeenPhases]] = [{} for _ in several]
+    for (record_number, contact, column), in_data, at_fit in found["seen"]:
+        seen[record_number][contact] = SeenPhases(columns[column], in_data, at_fit)
+    found["seen"] = seen
+    for name in ("model", "residuals", "rms", "sigma", "p_values", "phases_off"):
         values, by_record = found.pop(name), [{} for _ in several]  # type: ignore[var-annotated]
         for (record_number, column), value in zip(at, values):
             by_record[record_number][columns[column]] = value

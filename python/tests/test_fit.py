@@ -94,6 +94,23 @@ def test_offsets_missing_values_and_several_records():
     assert "off@1" in told and "±" in told and "rms" in told
 
 
+def test_phases_of_the_data_stand_beside_those_of_the_fit():
+    found = ss.fit(BLOCK, record(seed=1), [mu, fall], {"x": x, "v": v})
+    shown = found.seen[0]["belt"]
+    assert shown.same and shown.sticks[0] == sum("S" in phase[2] for phase in found.phases[0])
+    for one, other in zip(shown.data, shown.fit):
+        assert abs(one[1] - other[1]) <= TIMES[2] - TIMES[0]
+    assert "belt from v: " in repr(found) and "as at the fit" in repr(found)
+    axes = found.plot()
+    assert "sticks in the data" in axes[2].get_legend_handles_labels()[1]
+    assert found.phases_off[0]["x"] == []
+    # Friction that is too low sticks less.
+    wrong = ss.fit(BLOCK.with_parameters(mu=0.3), record(seed=1), [x], {"x": x}, sigma=0.002)
+    assert wrong.phases_off[0]["x"] and "too large in" in repr(wrong)
+    alone = ss.fit(BLOCK, record(seed=1), [mu, fall], {"x": x * v})
+    assert alone.seen == [{}]
+
+
 def test_a_fit_prints_what_the_program_prints():
     found = ss.fit(BLOCK, record(seed=1), [mu, fall], {"x": x}, most_runs=2)
     assert not found.success and found.ending == "not converged"

@@ -90,10 +90,23 @@ fn an_exact_record_is_fitted_with_all_files() {
     assert!((value(0) - truth).abs() < 1e-7, "{told}");
     assert!((value(1) - 0.5).abs() < 1e-7 && (value(2) - 3.0).abs() < 1e-7);
     assert_eq!(told["residuals"].as_array().unwrap().len(), 2);
+    let seen = &told["seen"][0];
+    assert_eq!(seen["contact"], "belt");
+    assert_eq!(seen["same"], true);
+    let sticks = |of: &serde_json::Value| {
+        let phases = of.as_array().unwrap().iter();
+        phases.filter(|phase| phase[2] == "S").count()
+    };
+    assert!(sticks(&seen["data"]) > 0 && sticks(&seen["data"]) == sticks(&seen["fit"]));
     let at = |name: &str| text(top.path().join("fit").join(name));
     assert!(at("parameters.csv").starts_with("name,value,std_error,low,high,start,"));
     assert_eq!(at("parameters.csv").lines().count(), 4);
     assert!(at("correlations.csv").starts_with("name,mu0,x,gain\n"));
+    let phases = at("phases.csv");
+    assert!(
+        phases.starts_with("record,contact,column,of,from,to,mode\n1,belt,x,data,"),
+        "{phases}"
+    );
     let rows = at("fit.csv");
     assert!(rows.starts_with("t,x,x_fit,x_residual,force,force_fit,force_residual\n"));
     assert_eq!(

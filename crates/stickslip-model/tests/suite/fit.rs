@@ -110,7 +110,7 @@ fn normal(random: &mut SplitMix) -> f64 {
     (-2.0 * math::ln(u)).sqrt() * math::cos(2.0 * std::f64::consts::PI * v)
 }
 
-fn noisy(columns: &[Vec<f64>], sigma: f64, seed: u64) -> Vec<Vec<f64>> {
+pub fn noisy(columns: &[Vec<f64>], sigma: f64, seed: u64) -> Vec<Vec<f64>> {
     let random = &mut SplitMix::new(seed);
     let noisy = |column: &Vec<f64>| column.iter().map(|x| x + sigma * normal(random)).collect();
     columns.iter().map(noisy).collect()
@@ -669,6 +669,40 @@ fn a_gain_is_found_where_the_orbit_is_far_from_that_of_the_data() {
 }
 
 /// The rounding of a quotient of states is judged by what each of them contributes.
+/// Offsets and scales enter linearly: where they begin does not count.
+#[test]
+fn calibration_is_found_from_afar() {
+    let file = parsed(BELT);
+    let times = times(60, 0.25);
+    let exact = exact(&file, &["x"], &times);
+    for seed in 0..20 {
+        let random = &mut SplitMix::new(seed);
+        let (gain, off) = (random.between(0.5, 2.0), random.between(-1.0, 1.0));
+        let sigma = 0.005 * gain;
+        let column = exact[0].iter().map(|x| gain * x + off).collect();
+        let columns = noisy(&[column], sigma, seed);
+        let sign = if seed % 2 == 0 { 1e3 } else { -1e3 };
+        let unknowns = vec![
+            unknown("mu", Some(0.5 + 0.05 * random.between(-1.0, 1.0))),
+            unknown("gain", Some(-gain)),
+            unknown("off", Some(off + sign * sigma)),
+        ];
+        let mut request = request(
+            file.clone(),
+            unknowns,
+            vec![observable("gain*x + off", None)],
+        );
+        request.extra = vec![("gain".to_owned(), 1.0), ("off".to_owned(), 0.0)];
+        request.records.push(record(&times, columns));
+        let found = fit(&request).unwrap();
+        for (name, truth) in [("mu", 0.5), ("gain", gain), ("off", off)] {
+            let one = found.values.iter().find(|one| one.name == name).unwrap();
+            let error = one.std_error.unwrap();
+            assert!((one.value - truth).abs() < 5.0 * error, "{seed}: {one:?}");
+        }
+    }
+}
+
 #[test]
 fn exact_data_of_a_quotient_leave_no_systematic_remainder() {
     let file = parsed(BELT);

@@ -4,9 +4,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stickslip::analysis::{LeastSquaresEnd, Loss};
+use stickslip::dynamics::Modes;
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::study::fit::{
-    Fit, FitError, FitRequest, Observable, Record, Unknown, ending, fit as fitted,
+    Fit, FitError, FitRequest, Observable, Record, SeenPhase, Unknown, ending, fit as fitted,
 };
 
 use crate::errors::{computation, failed, words, wrong};
@@ -175,6 +176,23 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
         phases.collect::<Vec<_>>()
     });
     fields.texts("phases", phases)?;
+    let off = columns().map(|one| {
+        let off = one.off.iter();
+        let off = off.map(|of| (of.phase, of.count, of.ratio, of.p_value));
+        off.collect::<Vec<_>>()
+    });
+    fields.texts("phases_off", off)?;
+    let letters = |phases: &[SeenPhase]| {
+        let phases = phases.iter();
+        let phases = phases.map(|(from, to, mode)| (*from, *to, Modes::from(*mode).to_string()));
+        phases.collect::<Vec<_>>()
+    };
+    let seen = fit.seen.iter().map(|one| {
+        let contact = system.contact_name(one.contact);
+        let of = (one.record, contact, one.observable);
+        (of, letters(&one.data), letters(&one.fit))
+    });
+    fields.texts("seen", seen)?;
     fields.put("cost", fit.cost)?;
     fields.put("mismatch", fit.mismatch)?;
     fields.put("freedom", fit.freedom)?;

@@ -1,6 +1,7 @@
 //! The figure of a fit: data, model, residuals and sticks.
 
 use plot::*;
+use stickslip::Mode;
 use stickslip_model::file::System;
 use stickslip_model::study::fit::Fit;
 
@@ -85,6 +86,21 @@ pub(super) fn figure(
                 .width(1.4)
                 .legend("fit"),
         );
+        let of_column = found.seen.iter().filter(|one| one.record == record);
+        let of_column = of_column.filter(|one| one.observable == column.observable);
+        let lowest = (data.iter().chain(&column.model).copied()).fold(f64::INFINITY, f64::min);
+        let seen = of_column.flat_map(|one| &one.data);
+        let seen = seen
+            .filter(|phase| phase.2 == Mode::Stick)
+            .flat_map(|phase| {
+                let (begin, end, _) = *phase;
+                [(begin, lowest), (end, lowest), (f64::NAN, f64::NAN)]
+            });
+        let seen: Vec<(f64, f64)> = seen.collect();
+        if !seen.is_empty() {
+            let shown = Curve::new(seen).color(ORANGE).width(4.0);
+            panel.add(shown.legend("sticks in the data"));
+        }
         below.add(Guide::horizontal(0.0));
         below.add(
             Markers::new(points(&column.residuals))

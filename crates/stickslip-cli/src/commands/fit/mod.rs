@@ -3,11 +3,15 @@
 mod figure;
 mod request;
 
-use serde_json::{Map, json};
+use serde_json::{Map, Value, json};
+use stickslip::Mode;
 use stickslip::analysis::LeastSquaresEnd;
+use stickslip::dynamics::Modes;
 use stickslip::error::readable;
 use stickslip_model::file::System;
-use stickslip_model::study::fit::{Fit, FitError, FittedColumn, FittedValue, ending, fit};
+use stickslip_model::study::fit::{
+    Fit, FitError, FittedColumn, FittedValue, SeenModes, SeenPhase, ending, fit,
+};
 
 use super::arguments::{PreparedRun, RunArguments, count};
 use crate::failure::{Failure, in_words};
@@ -21,8 +25,8 @@ use std::num::NonZeroUsize;
 /// A search by least squares on exact derivatives, through slips, sticks, crossings and jumps. It
 /// begins with the values of the file, of --set and of --start.
 ///
-/// Writes parameters.csv, correlations.csv, fit.csv (data, model and residuals at each time) and
-/// fit.svg.
+/// Writes parameters.csv, correlations.csv, phases.csv (those that the data show, beside those at
+/// the fit), fit.csv (data, model and residuals at each time) and fit.svg.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Fitted numbers: parameters, states for their start values, t0 for the time of the start
@@ -166,7 +170,7 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
     report.table(fitted.csv("parameters", &found.values)?);
     report.field("values", fitted.json(&found.values));
     uncertainties(&mut report, found)?;
-    columns(&mut report, wanted, found)?;
+    columns(&mut report, (system, wanted), found)?;
     let sequences = found.phases.iter().map(|phases| {
         let modes: Vec<_> = phases.iter().map(|phase| phase.2).collect();
         system.sequence(&modes)
@@ -176,6 +180,7 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
         report.lines("phases", sequences.clone());
     }
     report.field("phases", sequences);
+    seen(&mut report, (system, wanted), found)?;
     let others = found.others.iter().map(|other| {
         let pairs = found.values.iter().zip(&other.values);
         let values = pairs.map(|(one, value)| format!("{} = {}", one.name, readable(*value)));
@@ -326,8 +331,83 @@ fn uncertainties(report: &mut Report, found: &Fit) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Adds the phases that the data show beside those at the fit.
+fn seen(
+    report: &mut Report,
+    (system, wanted): (&System, &Wanted),
+    found: &Fit,
+) -> Result<(), Failure> {
+    let request = &wanted.request;
+    let letter = |mode: Mode| Modes::from(mode).to_string();
+    let letters = |phases: &[SeenPhase]| {
+        let letters = phases.iter().map(|phase| letter(phase.2));
+        letters.collect::<Vec<_>>().join(" ")
+    };
+    let told = |one: &SeenModes| {
+        let contact = system.contact_name(one.contact);
+        let column = &request.observables[one.observable].name;
+        let of = match request.records.len() {
+            1 => String::new(),
+            _ => format!(" of {}", request.records[one.record].name),
+        };
+        let [data, fit] = one.sticks();
+        let compared = match one.is_same() {
+            true => format!("as at the fit, {data} sticks: {}", letters(&one.data)),
+            false => format!(
+                "another sequence: sticks in the data {data}, at the fit {fit}: {} and {}",
+                letters(&one.data),
+                letters(&one.fit)
+            ),
+        };
+        let list = |phases: &[SeenPhase]| {
+            let phases = phases.iter();
+            let phases = phases.map(|(from, to, mode)| json!([from, to, letter(*mode)]));
+            phases.collect::<Vec<Value>>()
+        };
+        let json = json!({
+            "record": one.record + 1,
+            "contact": contact,
+            "column": column,
+            "sigma": one.sigma,
+            "same": one.is_same(),
+            "data": list(&one.data),
+            "fit": list(&one.fit),
+        });
+        (format!("{contact} from {column}{of}: {compared}"), json)
+    };
+    report.list("seen", found.seen.iter().map(told));
+    if found.seen.is_empty() && system.contacts() > 0 {
+        let why = "no phases: no column is the slip or the way of a contact, or its noise hides it";
+        report.line("seen", why);
+    }
+    let rows = found.seen.iter().flat_map(|one| {
+        let rows = |what: &'static str, phases: &[SeenPhase]| {
+            let rows = phases.iter().map(move |phase| (one, what, *phase));
+            rows.collect::<Vec<_>>()
+        };
+        [rows("data", &one.data), rows("fit", &one.fit)].concat()
+    });
+    type Row<'a> = (&'a SeenModes, &'static str, SeenPhase);
+    let table = Table::new()
+        .column("record", |row: &Row<'_>| row.0.record + 1)
+        .column("contact", |row| system.contact_name(row.0.contact))
+        .column("column", |row| {
+            request.observables[row.0.observable].name.clone()
+        })
+        .column("of", |row| row.1)
+        .column("from", |row| row.2.0)
+        .column("to", |row| row.2.1)
+        .column("mode", |row| letter(row.2.2));
+    report.table(table.csv("phases", rows)?);
+    Ok(())
+}
+
 /// Adds the residuals of each column, and what their order says.
-fn columns(report: &mut Report, wanted: &Wanted, found: &Fit) -> Result<(), Failure> {
+fn columns(
+    report: &mut Report,
+    (system, wanted): (&System, &Wanted),
+    found: &Fit,
+) -> Result<(), Failure> {
     let request = &wanted.request;
     let name = |column: &FittedColumn| {
         let observable = &request.observables[column.observable].name;
@@ -350,8 +430,37 @@ fn columns(report: &mut Report, wanted: &Wanted, found: &Fit) -> Result<(), Fail
             Some(runs) => format!("; no systematic remainder (p = {:.2})", runs.p_value),
         };
         let name = name(column);
+        let phases = &found.phases[column.record];
+        let off = column.off.iter().map(|one| {
+            let (from, to, modes) = phases[one.phase];
+            json!({
+                "phase": one.phase + 1,
+                "from": from,
+                "to": to,
+                "modes": system.letters(&modes),
+                "count": one.count,
+                "ratio": one.ratio,
+                "p_value": one.p_value,
+            })
+        });
+        let off: Vec<Value> = off.collect();
+        let of_phases = match column.off.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio)) {
+            None => String::new(),
+            Some(worst) => {
+                let (from, to, modes) = phases[worst.phase];
+                format!(
+                    "; too large in {} of {} phases, most in phase {} ({}, {from:.4} to {to:.4}): \
+                     {:.1} of the noise",
+                    off.len(),
+                    phases.len(),
+                    worst.phase + 1,
+                    system.letters(&modes),
+                    worst.ratio
+                )
+            }
+        };
         let line = format!(
-            "{name}: rms {:.3e} in {} values, {kind}{order}",
+            "{name}: rms {:.3e} in {} values, {kind}{order}{of_phases}",
             column.rms, column.count
         );
         let json = json!({
@@ -365,6 +474,7 @@ fn columns(report: &mut Report, wanted: &Wanted, found: &Fit) -> Result<(), Fail
                 "expected": runs.expected,
                 "p_value": runs.p_value,
             })),
+            "phases_off": off,
         });
         (line, json)
     });

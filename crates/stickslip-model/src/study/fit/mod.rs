@@ -8,6 +8,7 @@ mod parts;
 mod problem;
 mod record_run;
 mod result;
+mod seen;
 mod shooting;
 mod starts;
 mod statistics;
@@ -27,6 +28,8 @@ use crossing::beyond_events;
 pub use errors::FitError;
 use problem::{FitProblem, Sequence};
 use record_run::ObservedJump;
+pub use seen::{SeenModes, SeenPhase};
+use starts::Begun;
 pub use statistics::RunsTest;
 pub use uncertainty::FitUncertainty;
 use work::FitWork;
@@ -142,6 +145,21 @@ pub struct FittedColumn {
     pub sigma: f64,
     /// Test of the order of the signs of the residuals, where there are enough of them.
     pub runs: Option<RunsTest>,
+    /// Phases whose residuals are too large, with 1 % of false alarms in all phases together.
+    pub off: Vec<PhaseOff>,
+}
+
+/// A phase in which the residuals of a column are too large for its noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PhaseOff {
+    /// Index of the phase, from 0.
+    pub phase: usize,
+    /// Number of values in it.
+    pub count: usize,
+    /// Root of the mean square of their residuals over the deviation of the noise.
+    pub ratio: f64,
+    /// Chance that noise alone has as large residuals.
+    pub p_value: f64,
 }
 
 /// Another minimum that the search has found.
@@ -164,6 +182,8 @@ pub struct Fit {
     pub columns: Vec<FittedColumn>,
     /// Start, end and modes of the phases of each record.
     pub phases: Vec<Vec<(f64, f64, Modes)>>,
+    /// Modes that the data of a record show, where a column shows those of a contact.
+    pub seen: Vec<SeenModes>,
     /// Times of each record.
     pub times: Vec<Vec<f64>>,
     /// Half the weighted sum of squares of the residuals over their standard deviations.
@@ -225,17 +245,15 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
     };
     let given = problem.unknowns.start();
     let starts = match request.search {
-        0 => {
-            problem.check_start(&given)?;
-            vec![given]
-        }
-        count => problem.best_starts(&given, count, SEARCHED_FROM)?,
+        0 => problem.given_starts(given, &settings)?,
+        count => problem.best_starts(&given, count, SEARCHED_FROM, &settings)?,
     };
     problem.check_interrupt()?;
     if request.segments > 1
-        && let Some(start) = starts.first()
+        && let Some((start, evaluations)) = starts.first()
     {
-        let work = FitWork::of_at_most(settings.most_evaluations);
+        let mut work = FitWork::of_at_most(settings.most_evaluations);
+        work.evaluations = *evaluations;
         return shooting::fit_in_parts(&mut problem, start, &settings, work);
     }
     let work = FitWork::of_at_most(settings.most_evaluations);
@@ -248,11 +266,19 @@ pub fn fit(request: &FitRequest) -> Result<Fit, FitError> {
 /// Distinct minima from some starts, by rising cost.
 fn minima(
     problem: &FitProblem<'_>,
-    starts: &[Vector],
+    starts: &[Begun],
     settings: &LeastSquaresSettings,
 ) -> Result<Vec<LeastSquares<Sequence>>, FitError> {
     let searches = starts.par_iter();
-    let searches = searches.map(|start| least_squares(start, settings, |x| problem.residuals(x)));
+    let searches = searches.map(|(start, before)| {
+        let settings = LeastSquaresSettings {
+            most_evaluations: settings.most_evaluations.saturating_sub(*before).max(1),
+            ..settings.clone()
+        };
+        let mut found = least_squares(start, &settings, |x| problem.residuals(x))?;
+        found.evaluations += before;
+        Ok(found)
+    });
     let searches: Vec<Result<LeastSquares<Sequence>, _>> = searches.collect();
     problem.check_interrupt()?;
     let (mut found, mut first_error) = (Vec::new(), None);
@@ -335,6 +361,8 @@ pub(crate) struct Modelled {
     pub(crate) residuals: Vector,
     /// Derivatives of the residuals.
     pub(crate) jacobian: Matrix,
+    /// States at the times of each record.
+    points: Vec<Vec<Vector>>,
     /// Phases of each record.
     pub(crate) phases: Vec<Vec<(f64, f64, Modes)>>,
     /// Events of each record, or part, at which an observable jumps.

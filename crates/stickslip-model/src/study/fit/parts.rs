@@ -44,6 +44,18 @@ impl Parts {
         self.nodes.iter().any(|node| node.part == part)
     }
 
+    /// Joins what parts have to what records have.
+    pub(super) fn joined<T>(&self, of: Vec<T>, extend: impl Fn(&mut T, T)) -> Vec<T> {
+        let mut whole: Vec<T> = Vec::new();
+        for (part, own) in of.into_iter().enumerate() {
+            match whole.last_mut().filter(|_| self.continues(part)) {
+                Some(known) => extend(known, own),
+                None => whole.push(own),
+            }
+        }
+        whole
+    }
+
     /// Adds the mismatches over the spreads at a point, and their derivatives by all unknowns.
     pub(super) fn add_rows(
         &self,

@@ -260,6 +260,7 @@ impl<'r> FitProblem<'r> {
             sizes: Vec::new(),
             jacobian: Matrix::from_row_slice(residuals.len(), self.unknowns.len(), &slopes),
             residuals: Vector::from_vec(residuals),
+            points: Vec::new(),
             phases: Vec::new(),
             jumps: Vec::new(),
             lost: None,
@@ -267,6 +268,7 @@ impl<'r> FitProblem<'r> {
         for (number, run) in runs.into_iter().enumerate() {
             all.values.push(run.values);
             all.sizes.push(run.sizes);
+            all.points.push(run.points);
             all.phases.push(run.phases);
             all.jumps.push(run.jumps);
             if let Some(lost) = run.lost {

@@ -391,13 +391,13 @@ const SAME: f64 = 1e-8;
 
 /// Side of an instant at which an event may stand.
 #[derive(Clone, Copy)]
-enum Place {
+pub(super) enum Place {
     Before,
     Behind,
 }
 
 /// The modes at a time, from the phases.
-fn mode_at(phases: &[(f64, f64, Modes)], t: f64, place: Place) -> Modes {
+pub(super) fn mode_at(phases: &[(f64, f64, Modes)], t: f64, place: Place) -> Modes {
     let mut lasting = phases.iter().filter(|phase| phase.0 < phase.1);
     let found = match place {
         Place::Before => lasting.find(|phase| t <= phase.1),

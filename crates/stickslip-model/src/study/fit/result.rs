@@ -1,15 +1,19 @@
 //! Results of a fit for one minimum.
 
 use stickslip::analysis::LeastSquares;
+use stickslip::dynamics::Modes;
 
 use super::problem::{FitProblem, Sequence};
-use super::statistics::runs_test;
+use super::statistics::{FALSE_ALARMS, above_squares, runs_test};
 use super::uncertainty::FitUncertainty;
 use super::work::FitWork;
-use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum};
+use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum, PhaseOff};
 
 /// Error of a run over its tolerance, below which signs of residuals say nothing.
 const ROUNDING: f64 = 1e3;
+
+/// Fewest values of a phase that are tested. Chosen: fewer say more of their noise than of it.
+const FEWEST_IN_PHASE: usize = 3;
 
 impl FitProblem<'_> {
     pub(super) fn result(
@@ -32,7 +36,12 @@ impl FitProblem<'_> {
             let pairs = record.columns.iter().zip(values.iter().zip(sizes));
             for (observable, (data, (model, sizes))) in pairs.enumerate() {
                 let scale = sizes.iter().fold(0.0_f64, |most, size| most.max(*size));
-                columns.push(self.column((number, observable), data, (&model[..], scale)));
+                let mut column = self.column((number, observable), data, model);
+                if !self.is_rounding(column.rms, scale) {
+                    column.runs = runs_test(&column.residuals);
+                    column.off = self.phases_off(&column, &at.phases[number]);
+                }
+                columns.push(column);
             }
         }
         // The starts of parts are no results.
@@ -56,6 +65,7 @@ impl FitProblem<'_> {
         Ok(Fit {
             values: values.collect(),
             columns,
+            seen: self.seen(&best.x, &at)?,
             phases: at.phases,
             times: records.map(|record| record.times.clone()).collect(),
             cost: self.cost_of_data(&residuals),
@@ -72,12 +82,17 @@ impl FitProblem<'_> {
         })
     }
 
-    /// One column of a record, by the numbers of both, with the size of what the state contributes.
+    /// Whether residuals of this size are rounding. `scale` is that of what the state contributes.
+    fn is_rounding(&self, rms: f64, scale: f64) -> bool {
+        rms <= ROUNDING * self.request.options.rtol * scale
+    }
+
+    /// One column of a record, by the numbers of both, without tests.
     fn column(
         &self,
         (record, observable): (usize, usize),
         data: &[f64],
-        (model, scale): (&[f64], f64),
+        model: &[f64],
     ) -> FittedColumn {
         let pairs = data.iter().zip(model);
         let residuals: Vec<f64> = pairs.map(|(data, model)| data - model).collect();
@@ -85,17 +100,46 @@ impl FitProblem<'_> {
         // The sum of no values is -0.
         let squares = known.iter().fold(0.0, |sum, r| sum + r * r);
         let rms = (squares / known.len().max(1) as f64).sqrt();
-        let is_rounding = rms <= ROUNDING * self.request.options.rtol * scale;
         FittedColumn {
             record,
             observable,
             model: model.to_vec(),
-            runs: runs_test(&known).filter(|_| !is_rounding),
+            runs: None,
+            off: Vec::new(),
             residuals,
             count: known.len(),
             rms,
             sigma: self.sigmas[observable],
         }
+    }
+
+    /// The phases of a record in which the residuals of a column are too large for its noise.
+    fn phases_off(&self, column: &FittedColumn, phases: &[(f64, f64, Modes)]) -> Vec<PhaseOff> {
+        let times = &self.request.records[column.record].times;
+        let mut off = Vec::new();
+        let mut tested: usize = 0;
+        for (phase, (from, to, _)) in phases.iter().enumerate() {
+            let after = |end: &f64| times.partition_point(|t| t <= end);
+            // A value at the start is in the first phase.
+            let rows = if phase == 0 { 0 } else { after(from) }..after(to);
+            let residuals = column.residuals[rows].iter().filter(|r| !r.is_nan());
+            // Twice the cost: outliers count as in the fit.
+            let cost = |r: &f64| 2.0 * self.loss().of(r / column.sigma).0;
+            let squares: Vec<f64> = residuals.map(cost).collect();
+            if squares.len() < FEWEST_IN_PHASE {
+                continue;
+            }
+            tested += 1;
+            let (count, sum) = (squares.len(), squares.iter().sum::<f64>());
+            off.push(PhaseOff {
+                phase,
+                count,
+                ratio: (sum / count as f64).sqrt(),
+                p_value: above_squares(sum, count),
+            });
+        }
+        off.retain(|one| one.p_value * (tested as f64) < FALSE_ALARMS);
+        off
     }
 
     /// Joins the values of parts to those of records.
@@ -104,30 +148,15 @@ impl FitProblem<'_> {
             return at;
         };
         type Columns = Vec<Vec<f64>>;
-        let (mut values, mut phases, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
-        let extend = |known: &mut Columns, by: Columns| {
+        let columns = |known: &mut Columns, by: Columns| {
             let pairs = known.iter_mut().zip(by);
             pairs.for_each(|(known, column)| known.extend(column));
         };
-        let runs = at.values.into_iter().zip(at.sizes).zip(at.phases);
-        for (part, ((columns, of_columns), of_part)) in runs.enumerate() {
-            match (values.last_mut(), sizes.last_mut(), phases.last_mut()) {
-                (Some(known), Some(of_known), Some(whole)) if parts.continues(part) => {
-                    extend(known, columns);
-                    extend(of_known, of_columns);
-                    Vec::extend(whole, of_part);
-                }
-                _ => {
-                    values.push(columns);
-                    sizes.push(of_columns);
-                    phases.push(of_part);
-                }
-            }
-        }
         Modelled {
-            values,
-            sizes,
-            phases,
+            values: parts.joined(at.values, columns),
+            sizes: parts.joined(at.sizes, columns),
+            points: parts.joined(at.points, Vec::extend),
+            phases: parts.joined(at.phases, Vec::extend),
             ..at
         }
     }

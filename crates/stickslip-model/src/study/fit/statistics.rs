@@ -6,6 +6,9 @@ use stickslip::math;
 /// *Nonparametric Statistics*, 1956, asks for 20 in all).
 const FEWEST_SIGNS: usize = 10;
 
+/// Chance at which a test of residuals reports more than noise.
+pub(super) const FALSE_ALARMS: f64 = 0.01;
+
 /// Test of the order of the signs of residuals (Wald and Wolfowitz, *Ann. Math. Stat.* 11 (1940)
 /// 147). Noise that is independent from value to value gives all orders the same chance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,13 +24,13 @@ pub struct RunsTest {
 impl RunsTest {
     /// Whether the residuals have a systematic part, with 1 % of false alarms.
     pub fn is_systematic(&self) -> bool {
-        self.p_value < 0.01
+        self.p_value < FALSE_ALARMS
     }
 }
 
-/// The test of runs; none for too few residuals.
+/// The test of runs; none for too few residuals. NaN is a missing one.
 pub(super) fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
-    let signs = residuals.iter().filter(|r| **r != 0.0);
+    let signs = residuals.iter().filter(|r| **r != 0.0 && !r.is_nan());
     let signs: Vec<bool> = signs.map(|r| *r > 0.0).collect();
     let above = signs.iter().filter(|sign| **sign).count();
     let below = signs.len() - above;
@@ -48,6 +51,14 @@ pub(super) fn runs_test(residuals: &[f64]) -> Option<RunsTest> {
         expected,
         p_value,
     })
+}
+
+/// Chance that so many squares of normal deviates have a larger sum (Wilson and Hilferty, *Proc.
+/// Natl. Acad. Sci.* 17 (1931) 684).
+pub(super) fn above_squares(sum: f64, count: usize) -> f64 {
+    let part = 2.0 / (9.0 * count as f64);
+    let root = math::pow(sum / count as f64, 1.0 / 3.0);
+    0.5 * math::erfc((root - 1.0 + part) / (2.0 * part).sqrt())
 }
 
 /// The quantile 0.975 of Student's distribution (Abramowitz and Stegun 26.7.5; below 1e-3 from
