@@ -203,3 +203,34 @@ fn a_doubled_period_without_phases_is_a_flip() {
         assert!(off < 1e-9, "{change:?}: {off:e}");
     }
 }
+
+/// The map `x + p x - x^3`, once a period. From zero, which attracts for `p < 0`, the attractors
+/// `+-sqrt(p)` branch off.
+const PITCHFORK: &str = r#"
+name = "pitchfork"
+[time]
+period = 1
+[states]
+x = ""
+[parameters]
+p = 0.1
+[jumps.map]
+when = "sin(2*pi*t + 1)"
+direction = "rising"
+set = { x = "x + p*x - x^3" }
+[field]
+x = "0"
+[start]
+x = 0.01
+"#;
+
+#[test]
+fn a_diagram_leaves_an_orbit_that_has_become_unstable() {
+    let values: Vec<f64> = (0..10).map(|k| f64::from(k) * 0.1 - 0.45).collect();
+    for point in swept(&system(PITCHFORK), "p", &values, 2000.0).0 {
+        let exact = point.value.max(0.0).sqrt();
+        let off = point.reached.x[0].abs() - exact;
+        assert!(point.reached.kind.is_attractor(), "{}", point.reached.kind);
+        assert!(off.abs() < 1e-5, "{off:e} at {}", point.value);
+    }
+}

@@ -18,7 +18,7 @@ const DRIVE_MOMENTS: usize = 32;
 
 /// Closenesses within which points are the same. Each of the two was computed to within one of
 /// them; the rest is for the slow part of an approach. Chosen.
-const SAME_CLOSENESSES: f64 = 10.0;
+pub(super) const SAME_CLOSENESSES: f64 = 10.0;
 
 /// The distinct attractors so far, numbered in the order in which orbits first reached them.
 ///
@@ -56,7 +56,7 @@ const SAME_CLOSENESSES: f64 = 10.0;
 pub struct Attractors<'a> {
     system: DynamicsRef<'a>,
     /// The distance within which the points of an orbit repeat.
-    near: SameWithin,
+    pub(super) near: SameWithin,
     forcing: Option<f64>,
     options: Options,
     attractors: Vec<Attractor>,
@@ -120,6 +120,12 @@ impl<'a> Attractors<'a> {
         let error = SOLVER_TOLERANCES * self.options.coarsest();
         let values = multipliers(&cycle.monodromy);
         cycle.family == 0 && values.iter().any(|one| modulus(*one) > 1.0 + error.sqrt())
+    }
+
+    /// The periodic orbit that an orbit has reached, if it is unstable.
+    pub(super) fn unstable_cycle(&self, attractor: &Attractor) -> Option<Cycle> {
+        let cycle = self.cycle_of(attractor);
+        cycle.filter(|cycle| self.is_unstable(cycle))
     }
 
     /// The attractors in the order of their numbers, each as the first orbit reached it.
