@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
     Attractor, AttractorChange, Exponent, StepBudget, SweepPoint, WhatChanges, attractor,
-    attractor_beside, attractor_of_many, carried_on, is_change, locate_changes,
+    attractor_by_shooting, attractor_of_many, carried_on, is_change, locate_changes,
     locate_changes_within,
 };
 use stickslip::dynamics::{Moment, Vector};
@@ -115,7 +115,7 @@ impl Diagram<'_> {
                 (start, reached)
             }
         };
-        let reached = attractor_beside(system, reached, &settings, self.options);
+        let reached = attractor_by_shooting(system, reached, &settings, self.options);
         let reached = reported(reached, |error| describe(error, &here));
         let steps = reached.steps;
         let (unspent, credited) = match last {

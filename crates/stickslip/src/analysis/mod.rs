@@ -26,7 +26,7 @@ mod stability;
 mod tangent;
 
 pub use attractors::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_beside,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_by_shooting,
     attractor_of_many, attractors_of_many,
 };
 pub use basin::{

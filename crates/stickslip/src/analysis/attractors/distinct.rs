@@ -94,11 +94,15 @@ impl<'a> Attractors<'a> {
     pub fn number(&mut self, mut attractor: Attractor) -> usize {
         let mut number = self.number_of(&attractor);
         if number.is_none() && matches!(attractor.kind, AttractorKind::Periodic { .. }) {
+            let kind = attractor.kind.clone();
             // Done once: every further orbit is compared with it.
-            let cycle = self.cycle_of(&attractor);
+            let (tested, cycle) = self.tested(attractor);
+            attractor = tested;
             attractor.family = Some(cycle.as_ref().map_or(0, |cycle| cycle.family));
             if cycle.is_some_and(|cycle| self.is_unstable(&cycle)) {
                 attractor.kind = AttractorKind::Unstable;
+            }
+            if attractor.kind != kind {
                 number = self.number_of(&attractor);
             }
         }
@@ -106,6 +110,21 @@ impl<'a> Attractors<'a> {
             self.attractors.push(attractor);
             self.attractors.len() - 1
         })
+    }
+
+    /// The attractor that an orbit has reached, with the periodic orbit by shooting. That of half
+    /// the period is taken where it attracts, and both halves agree to what shooting resolves.
+    pub(super) fn tested(&self, mut attractor: Attractor) -> (Attractor, Option<Cycle>) {
+        let mut cycle = self.cycle_of(&attractor);
+        while let Some(half) = cycle
+            .as_ref()
+            .filter(|cycle| cycle.is_half_twice() == Some(true))
+            .and_then(|_| attractor.half())
+            && let Some(single) = self.cycle_of(&half).filter(Cycle::is_stable)
+        {
+            (attractor, cycle) = (half, Some(single));
+        }
+        (attractor, cycle)
     }
 
     /// The number of an attractor that is known.
@@ -116,16 +135,10 @@ impl<'a> Attractors<'a> {
 
     /// Whether a multiplier lies outside the unit circle by more than the error of two that meet on
     /// it, the square root of that of the solver. In a family that is no criterion.
-    fn is_unstable(&self, cycle: &Cycle) -> bool {
+    pub(super) fn is_unstable(&self, cycle: &Cycle) -> bool {
         let error = SOLVER_TOLERANCES * self.options.coarsest();
         let values = multipliers(&cycle.monodromy);
         cycle.family == 0 && values.iter().any(|one| modulus(*one) > 1.0 + error.sqrt())
-    }
-
-    /// The periodic orbit that an orbit has reached, if it is unstable.
-    pub(super) fn unstable_cycle(&self, attractor: &Attractor) -> Option<Cycle> {
-        let cycle = self.cycle_of(attractor);
-        cycle.filter(|cycle| self.is_unstable(cycle))
     }
 
     /// The attractors in the order of their numbers, each as the first orbit reached it.

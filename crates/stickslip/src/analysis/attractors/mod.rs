@@ -1,7 +1,7 @@
 //! The attractor that an orbit reaches, detected by recurrence.
 
 mod attractor;
-mod beside;
+mod by_shooting;
 mod distinct;
 pub(super) mod equilibrium;
 mod history;
@@ -13,7 +13,7 @@ mod trap;
 
 pub(super) use attractor::shifts;
 pub use attractor::{Attractor, AttractorKind};
-pub use beside::attractor_beside;
+pub use by_shooting::attractor_by_shooting;
 pub use distinct::Attractors;
 pub(super) use tolerance::SOLVER_TOLERANCES;
 

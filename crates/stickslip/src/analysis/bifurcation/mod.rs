@@ -6,7 +6,7 @@ mod change;
 use std::fmt;
 
 use super::attractors::{
-    Attractor, AttractorKind, RecurrenceSettings, attractor_beside, attractor_of,
+    Attractor, AttractorKind, RecurrenceSettings, attractor_by_shooting, attractor_of,
 };
 use super::continuation::CycleBifurcation;
 use super::cycle::{SequenceChange, StepBudget};
@@ -232,7 +232,7 @@ impl WhatChanges {
 
 /// Follows an attractor through `parameters`, in the given order. Each run starts from the state
 /// reached at the previous value. `family` constructs the system for each parameter. An unstable
-/// periodic orbit is left as in [`super::attractor_beside`].
+/// periodic orbit is left as in [`super::attractor_by_shooting`].
 ///
 /// [`locate_changes`] finds what happens between two values.
 ///
@@ -279,7 +279,7 @@ fn point(
     options: &Options,
 ) -> Result<SweepPoint, Error> {
     let reached = attractor_of(&**system, x.clone(), &settings.recurrence, options)?;
-    let reached = attractor_beside(system, reached, &settings.recurrence, options);
+    let reached = attractor_by_shooting(system, reached, &settings.recurrence, options);
     if let Some(next) = carried_on(&reached, &settings.recurrence) {
         x.clone_from(next);
     }

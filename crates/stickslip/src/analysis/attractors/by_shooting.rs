@@ -1,4 +1,4 @@
-//! Attractors of orbits next to an unstable periodic orbit.
+//! Attractors tested by shooting.
 
 use super::attractor::{Attractor, AttractorKind};
 use super::distinct::{Attractors, SAME_CLOSENESSES};
@@ -13,17 +13,21 @@ use crate::math::product;
 /// exceeds those inside the unit circle by five digits, and any deviation grows.
 const SQUARINGS: usize = 6;
 
-/// The attractor of the neighbours of an orbit. An orbit that begins on an unstable periodic orbit,
-/// or on its stable manifold, stays there. Unstable orbits are told as in [`Attractors::number`].
+/// The attractor that an orbit has reached, tested by shooting, as [`Attractors::number`] tests it.
 ///
-/// The run continues from a state displaced along the direction that grows fastest, far enough that
-/// the two states are not the same. Other motions are returned as they are, and so are orbits of
-/// families and orbits at which the flow map has no derivative. The kind is
-/// [`AttractorKind::Unstable`] where the displaced run reaches an unstable orbit, too.
+/// A slow alternating approach to a periodic orbit looks like one of twice the period. Where the
+/// orbit of half the period attracts and the two are not resolved, that orbit is returned.
+///
+/// An orbit that begins on an unstable periodic orbit, or on its stable manifold, stays there. The
+/// run then continues from a state displaced along the direction that grows fastest, far enough
+/// that the two states are not the same; on the other side if that reaches no attractor. The kind
+/// is [`AttractorKind::Unstable`] where the displaced run reaches an unstable orbit, too. Orbits of
+/// families and orbits at which the flow map has no derivative are returned as they are, and so are
+/// other motions.
 ///
 /// ```
 /// use std::f64::consts::TAU;
-/// use stickslip::analysis::{AttractorKind, RecurrenceSettings, attractor, attractor_beside};
+/// use stickslip::analysis::{AttractorKind, RecurrenceSettings, attractor, attractor_by_shooting};
 /// use stickslip::{Filippov, Options, Scalar, Side};
 ///
 /// /// A spring whose stiffness oscillates at twice its own frequency. Rest at zero is unstable.
@@ -42,37 +46,48 @@ const SQUARINGS: usize = 6;
 /// let options = Options::tol(1e-10);
 /// let at_zero = attractor(&Spring, [0.0, 0.0], &settings, &options)?;
 /// assert!(matches!(at_zero.kind, AttractorKind::Periodic { returns: 1, .. }));
-/// let beside = attractor_beside(&Spring, at_zero, &settings, &options);
+/// let beside = attractor_by_shooting(&Spring, at_zero, &settings, &options);
 /// assert!(matches!(beside.kind, AttractorKind::Periodic { returns: 2, .. }));
 /// # Ok::<(), stickslip::Error>(())
 /// ```
-pub fn attractor_beside<Kind>(
+pub fn attractor_by_shooting<Kind>(
     system: &impl AsDynamics<Kind>,
     reached: Attractor,
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Attractor {
     let attractors = Attractors::new(system, settings, options);
-    let Some(cycle) = attractors.unstable_cycle(&reached) else {
+    let (reached, cycle) = attractors.tested(reached);
+    let Some(cycle) = cycle.filter(|cycle| attractors.is_unstable(cycle)) else {
         return reached;
     };
     let system = &*system.dynamics();
-    let start = displaced(system, &cycle, &attractors.near);
     let (section, options) = section(settings, options);
-    let Ok(mut found) = seek(system, section.as_slice(), start, settings, &options) else {
-        let kind = AttractorKind::Unstable;
-        return Attractor { kind, ..reached };
-    };
-    found.steps += reached.steps;
-    if attractors.unstable_cycle(&found).is_some() {
-        found.kind = AttractorKind::Unstable;
+    let mut other = None;
+    for side in [1.0, -1.0] {
+        let start = displaced(system, &cycle, &attractors.near, side);
+        let Ok(found) = seek(system, section.as_slice(), start, settings, &options) else {
+            continue;
+        };
+        let (mut found, cycle) = attractors.tested(found);
+        found.steps += reached.steps;
+        if cycle.is_some_and(|cycle| attractors.is_unstable(&cycle)) {
+            found.kind = AttractorKind::Unstable;
+        }
+        if found.kind.is_attractor() {
+            return found;
+        }
+        other.get_or_insert(found);
     }
-    found
+    other.unwrap_or(Attractor {
+        kind: AttractorKind::Unstable,
+        ..reached
+    })
 }
 
 /// The state in the middle of the segment where an orbit is cut, displaced along the direction that
-/// the flow map stretches most.
-fn displaced(system: &dyn Dynamics, cycle: &Cycle, near: &SameWithin) -> Moment {
+/// the flow map stretches most, to one side or the other.
+fn displaced(system: &dyn Dynamics, cycle: &Cycle, near: &SameWithin, side: f64) -> Moment {
     let mut power = cycle.monodromy.clone();
     for _ in 0..SQUARINGS {
         power /= power.amax();
@@ -89,6 +104,6 @@ fn displaced(system: &dyn Dynamics, cycle: &Cycle, near: &SameWithin) -> Moment 
     let direction = directions.max_by(|a, b| a.amax().total_cmp(&b.amax()));
     let direction = direction.unwrap_or_else(|| allowed.clone());
     let most = direction[direction.iamax()];
-    let x = x + direction.component_mul(&allowed) * (SAME_CLOSENESSES / most);
+    let x = x + direction.component_mul(&allowed) * (side * SAME_CLOSENESSES / most);
     system.admitted(&Moment { t: *t, x })
 }
