@@ -133,7 +133,8 @@
 //!   [`attractors_of_many`](analysis::attractors_of_many) return an
 //!   [`Attractor`](analysis::Attractor) with its [`AttractorKind`](analysis::AttractorKind), by
 //!   the criterion of [`RecurrenceSettings`](analysis::RecurrenceSettings).
-//!   [`Attractors`](analysis::Attractors) numbers them. [`basin`](analysis::basin) and
+//!   [`attractor_by_shooting`](analysis::attractor_by_shooting) tests periodic ones, and
+//!   [`Attractors`](analysis::Attractors) numbers them all. [`basin`](analysis::basin) and
 //!   [`basin_while`](analysis::basin_while) return a [`Basin`](analysis::Basin), with the
 //!   [`Share`](analysis::Share) of each.
 //! - **Basins in numbers**: [`basin_entropy`](analysis::basin_entropy) returns a

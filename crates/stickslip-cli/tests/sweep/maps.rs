@@ -148,6 +148,65 @@ fn what_comes_to_rest_at_once_is_read_again() {
     run(&[&map[..], &["--grid", "2x2", "--out", "map"]].concat());
 }
 
+/// A pendulum that hangs at rest while its pivot moves up and down.
+const HANGING: &str = r#"
+name = "hanging"
+[time]
+period = "pi"
+[states]
+x = ""
+v = ""
+[parameters]
+p = 0.1
+c = 0.2
+[field]
+x = "v"
+v = "-(1 + p*cos(2*t))*sin(x) - c*v"
+[start]
+x = 0
+v = 0
+"#;
+
+/// At twice its own frequency the pendulum hangs stably up to `p = 2 c`, to first order, where its
+/// exponents are `-c/2 +- p/4`. Beyond, it swings.
+#[test]
+fn an_unstable_orbit_is_no_attractor_of_a_map() {
+    let top = folder();
+    std::fs::write(top.path().join("hanging.toml"), HANGING).unwrap();
+    program(top.path())
+        .args([
+            "map",
+            "hanging.toml",
+            "--x",
+            "p=0.1:0.9",
+            "--y",
+            "c=0.1:0.3",
+        ])
+        .args(["--grid", "4x2", "--out", "map"])
+        .assert()
+        .success();
+    let mut rows = csv::Reader::from_path(top.path().join("map/map.csv")).unwrap();
+    let (mut hanging, mut swinging) = (0, 0);
+    for row in rows.records() {
+        let row = row.unwrap();
+        let number = |k: usize| row[k].parse::<f64>().unwrap();
+        let (p, c, exponent) = (number(0), number(1), number(6));
+        let at_rest = 0.25 * p - 0.5 * c;
+        assert_eq!(&row[2], "periodic");
+        if at_rest < 0.0 {
+            hanging += 1;
+            assert!(
+                (exponent - at_rest).abs() < 0.02,
+                "{exponent} for {at_rest}"
+            );
+        } else {
+            swinging += 1;
+            assert!(exponent < -0.25 * c, "{exponent} at p = {p}, c = {c}");
+        }
+    }
+    assert!(hanging > 0 && swinging > 0, "{hanging} and {swinging}");
+}
+
 /// The manifest is read again, too.
 #[test]
 fn shares_without_an_escape_bound_are_merged() {

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
     Attractor, AttractorChange, Exponent, StepBudget, SweepPoint, WhatChanges, attractor,
-    attractor_of_many, carried_on, is_change, locate_changes, locate_changes_within,
+    attractor_by_shooting, attractor_of_many, carried_on, is_change, locate_changes,
+    locate_changes_within,
 };
 use stickslip::dynamics::{Moment, Vector};
 use stickslip::{Error, Options};
@@ -114,6 +115,7 @@ impl Diagram<'_> {
                 (start, reached)
             }
         };
+        let reached = attractor_by_shooting(system, reached, &settings, self.options);
         let reached = reported(reached, |error| describe(error, &here));
         let steps = reached.steps;
         let (unspent, credited) = match last {

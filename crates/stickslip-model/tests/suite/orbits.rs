@@ -1,5 +1,7 @@
 //! Periodic orbits of systems from files, and branches of them.
 
+use std::f64::consts::{PI, TAU};
+
 use stickslip::analysis::{
     Branch, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SequenceBifurcation,
     SpecialPoint, Stop, branch_multiplier_uncertainties, continue_periodic_orbit,
@@ -10,7 +12,7 @@ use stickslip::{Method, Options};
 use stickslip_model::file::System;
 use stickslip_model::study::{Along, PeriodicSearch};
 
-use crate::run::{SEARCH, orbit_from, system};
+use crate::run::{SEARCH, options, orbit_from, system, with};
 
 /// The orbit that the run from the start of the file approaches after a transient.
 fn orbit(system: &System, transient: f64, options: &Options) -> PeriodicOrbit {
@@ -308,4 +310,39 @@ fn a_swing_of_a_pendulum_is_one_of_a_family_with_the_period_of_its_amplitude() {
     // The nearest orbit to the end of the run.
     let off = found.period - std::f64::consts::TAU / a;
     assert!(off.abs() < 1e-8, "{off:e}");
+}
+
+/// A ball that bounces from a table with a restitution of 1/2.
+const BALL: &str = r#"
+name = "ball"
+[time]
+period = "2*pi"
+[states]
+x = ""
+v = ""
+[parameters]
+A = 1.5
+[jumps.hit]
+when = "x - A*sin(t)"
+direction = "falling"
+set = { v = "1.5*A*cos(t) - 0.5*v" }
+[field]
+x = "v"
+v = "-1"
+[start]
+x = 1.2
+v = 3.1
+"#;
+
+/// The ball bounces once a period up to `A^2 = (pi (1-r)/(1+r))^2 + (2 (1+r^2)/(1+r)^2)^2`, where
+/// the period doubles. Shortly before, the run alternates about that orbit.
+#[test]
+fn an_orbit_shortly_before_a_flip_has_not_twice_the_period() {
+    let [balanced, at_impact] = [PI / 3.0, 10.0 / 9.0];
+    let flip = (balanced * balanced + at_impact * at_impact).sqrt();
+    for (relative, periods) in [(1.0 - 1e-5, 1.0), (1.0 + 2e-5, 2.0)] {
+        let ball = with(BALL, &[("A", flip * relative)]);
+        let found = orbit(&ball, 200.0, &options("taylor")).period / TAU;
+        assert!((found - periods).abs() < 1e-12, "{found} at {relative}");
+    }
 }

@@ -203,3 +203,65 @@ fn a_doubled_period_without_phases_is_a_flip() {
         assert!(off < 1e-9, "{change:?}: {off:e}");
     }
 }
+
+/// The map `x + p x - x^3`, once a period. From zero, which attracts for `p < 0`, the attractors
+/// `+-sqrt(p)` branch off.
+const PITCHFORK: &str = r#"
+name = "pitchfork"
+[time]
+period = 1
+[states]
+x = ""
+[parameters]
+p = 0.1
+[jumps.map]
+when = "sin(2*pi*t + 1)"
+direction = "rising"
+set = { x = "x + p*x - x^3" }
+[field]
+x = "0"
+[start]
+x = 0.01
+"#;
+
+#[test]
+fn a_diagram_leaves_an_orbit_that_has_become_unstable() {
+    let values: Vec<f64> = (0..10).map(|k| f64::from(k) * 0.1 - 0.45).collect();
+    for point in swept(&system(PITCHFORK), "p", &values, 2000.0).0 {
+        let exact = point.value.max(0.0).sqrt();
+        let off = point.reached.x[0].abs() - exact;
+        assert!(point.reached.kind.is_attractor(), "{}", point.reached.kind);
+        assert!(off.abs() < 1e-5, "{off:e} at {}", point.value);
+    }
+}
+
+/// The fixed point `1 - 1/p` of the logistic map has the multiplier `2 - p`.
+fn logistic() -> System {
+    system(&PITCHFORK.replace("x + p*x - x^3", "p*x*(1 - x)"))
+}
+
+/// Shortly before `p = 3` every second point repeats long before all do.
+#[test]
+fn a_diagram_has_no_doubled_period_before_a_flip() {
+    let values: Vec<f64> = (0..6).map(|k| 2.986 + 0.002 * f64::from(k)).collect();
+    for point in swept(&logistic(), "p", &values, 2000.0).0 {
+        let off = point.reached.x[0] - (1.0 - point.value.recip());
+        let kind = &point.reached.kind;
+        let is_single = matches!(kind, AttractorKind::Periodic { returns: 1, .. });
+        assert!(is_single, "{kind} at {}", point.value);
+        assert!(off.abs() < 1e-5, "{off:e} at {}", point.value);
+    }
+}
+
+/// Within 2000 periods nothing has settled there, and every second point goes one way.
+#[test]
+fn a_slow_approach_is_not_recurrent() {
+    for point in swept(&logistic(), "p", &[2.998, 3.0, 3.002], 2000.0).0 {
+        let kind = &point.reached.kind;
+        assert!(
+            matches!(kind, AttractorKind::Undecided),
+            "{kind} at {}",
+            point.value
+        );
+    }
+}

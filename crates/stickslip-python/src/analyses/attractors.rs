@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use stickslip::Options;
 use stickslip::analysis::{
     Attractor, AttractorChange, AttractorKind, Exponent, RecurrenceSettings, WhatChanges,
-    attractor_of_many, basin_while, return_time,
+    attractor_by_shooting, attractor_of_many, basin_while, return_time,
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
@@ -243,6 +243,7 @@ pub(crate) fn parameter_map<'py>(
         let start = start_state(&here, x.as_deref())?;
         let recurrence = recurrence(&here, longest);
         let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
+        let reached = attractor_by_shooting(here.dynamics(), reached, &recurrence, &options);
         let reached = reported(reached, |error| words(error, &here));
         let largest = duration.and_then(|time| largest::on(&here, &reached, time, &options));
         if task.is_stopped() {

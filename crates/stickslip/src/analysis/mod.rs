@@ -26,8 +26,8 @@ mod stability;
 mod tangent;
 
 pub use attractors::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_of_many,
-    attractors_of_many,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_by_shooting,
+    attractor_of_many, attractors_of_many,
 };
 pub use basin::{
     Basin, BasinEntropy, EdgeKind, EdgeSettings, EdgeState, Push, PushSettings, Share, SharesAt,

@@ -8,6 +8,7 @@ use super::cycle::{Cycle, Outline, SAFETY, Shooting, ULPS};
 use super::monodromy::{flow_derivative, velocity_in};
 use super::multipliers::{eigenvalues, multipliers};
 use super::passages::{passages, plane};
+use super::stability::Stability;
 use crate::dynamics::{
     AsDynamics, Components, Dynamics, Matrix, Modes, Moment, OrbitProgress, Vector, run,
 };
@@ -200,7 +201,9 @@ pub fn find_periodic_orbit<Kind>(
 /// approaches, its nearest return comes after a multiple of the period.
 ///
 /// A part of the orbit is an orbit if it closes to within [`PeriodicOrbit::closes_to`]. With a
-/// drive, whose period divides that of the orbit, a part takes whole periods of the drive.
+/// drive, whose period divides that of the orbit, a part takes whole periods of the drive. Shortly
+/// before a period doubling, halves close less well. There the orbit of half the period is taken if
+/// it attracts, and both halves agree to what shooting resolves.
 ///
 /// # Errors
 /// Those of [`periodic_orbit`].
@@ -255,7 +258,10 @@ fn shortest(
         }
     };
     let Some(period) = period else {
-        return Ok(orbit);
+        return match half(system, &orbit, drive, options) {
+            Some(half) => shortest(system, half, drive, options),
+            None => Ok(orbit),
+        };
     };
     match orbit_near(system, &start, (period, drive.is_some()), options) {
         // At a loose tolerance a part may close so badly that another orbit is near it.
@@ -263,6 +269,34 @@ fn shortest(
         Ok(_) | Err(Error::NotConverged { .. } | Error::NotFound { .. }) => Ok(orbit),
         Err(other) => Err(other),
     }
+}
+
+/// The orbit of half the period, where it attracts and both halves agree to what shooting resolves.
+fn half(
+    system: &dyn Dynamics,
+    orbit: &PeriodicOrbit,
+    drive: Option<f64>,
+    options: &Options,
+) -> Option<PeriodicOrbit> {
+    let is_forced = drive.is_some();
+    let periods = drive.map_or(2.0, |drive| (orbit.period / drive).round());
+    if periods % 2.0 != 0.0 {
+        return None;
+    }
+    let start = Moment {
+        t: orbit.t,
+        x: orbit.x.clone(),
+    };
+    let outline = Outline::of_run(system, &start, orbit.period, options).ok()?;
+    let forced = is_forced.then_some(orbit.period);
+    let cycle = Shooting::of(system, &outline, forced, options).nearest(&outline, None)?;
+    if cycle.is_half_twice() != Some(true) {
+        return None;
+    }
+    let half = orbit_near(system, &start, (0.5 * orbit.period, is_forced), options).ok()?;
+    let trivial = usize::from(!is_forced);
+    let stability = Stability::of(multipliers(&half.monodromy).get(trivial..)?);
+    (stability == Stability::Stable).then_some(half)
 }
 
 /// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`]; NaN where

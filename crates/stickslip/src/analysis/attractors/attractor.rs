@@ -139,6 +139,29 @@ impl Attractor {
         }
     }
 
+    /// The second half of a period, as a period of its own; `None` where the halves have different
+    /// phases or transitions.
+    pub(super) fn half(&self) -> Option<Self> {
+        let AttractorKind::Periodic { returns, period } = self.kind else {
+            return None;
+        };
+        let points = second_half(&self.points, |_, _| true)?;
+        let phases = second_half(&self.phases, |one, other| one.mode == other.mode)?;
+        let transitions = second_half(&self.transitions, |one, other| one == other)?;
+        let kind = AttractorKind::Periodic {
+            returns: returns / 2,
+            period: 0.5 * period,
+        };
+        Some(Attractor {
+            kind,
+            period_uncertainty: 0.5 * self.period_uncertainty,
+            points: points.to_vec(),
+            phases: phases.to_vec(),
+            transitions: transitions.to_vec(),
+            ..self.clone()
+        })
+    }
+
     /// Whether two periodic orbits have the same cycle of phases and transitions.
     pub fn has_sequence_of(&self, other: &Self) -> bool {
         self.sequence() == other.sequence() && is_same_cycle(&self.transitions, &other.transitions)
@@ -157,6 +180,13 @@ pub(in crate::analysis) fn shifts<'a, A, B>(
         0
     };
     (0..length).filter(move |by| (0..length).all(|i| same(&one[i], &other[(i + by) % length])))
+}
+
+/// The second half of a sequence whose halves are alike.
+fn second_half<A>(of: &[A], same: impl Fn(&A, &A) -> bool) -> Option<&[A]> {
+    let (one, other) = of.split_at(of.len() / 2);
+    let mut pairs = one.iter().zip(other);
+    (one.len() == other.len() && pairs.all(|(a, b)| same(a, b))).then_some(other)
 }
 
 /// Whether two sequences are equal up to a cyclic shift.

@@ -18,7 +18,7 @@ const DRIVE_MOMENTS: usize = 32;
 
 /// Closenesses within which points are the same. Each of the two was computed to within one of
 /// them; the rest is for the slow part of an approach. Chosen.
-const SAME_CLOSENESSES: f64 = 10.0;
+pub(super) const SAME_CLOSENESSES: f64 = 10.0;
 
 /// The distinct attractors so far, numbered in the order in which orbits first reached them.
 ///
@@ -56,7 +56,7 @@ const SAME_CLOSENESSES: f64 = 10.0;
 pub struct Attractors<'a> {
     system: DynamicsRef<'a>,
     /// The distance within which the points of an orbit repeat.
-    near: SameWithin,
+    pub(super) near: SameWithin,
     forcing: Option<f64>,
     options: Options,
     attractors: Vec<Attractor>,
@@ -94,11 +94,15 @@ impl<'a> Attractors<'a> {
     pub fn number(&mut self, mut attractor: Attractor) -> usize {
         let mut number = self.number_of(&attractor);
         if number.is_none() && matches!(attractor.kind, AttractorKind::Periodic { .. }) {
+            let kind = attractor.kind.clone();
             // Done once: every further orbit is compared with it.
-            let cycle = self.cycle_of(&attractor);
+            let (tested, cycle) = self.tested(attractor);
+            attractor = tested;
             attractor.family = Some(cycle.as_ref().map_or(0, |cycle| cycle.family));
             if cycle.is_some_and(|cycle| self.is_unstable(&cycle)) {
                 attractor.kind = AttractorKind::Unstable;
+            }
+            if attractor.kind != kind {
                 number = self.number_of(&attractor);
             }
         }
@@ -106,6 +110,21 @@ impl<'a> Attractors<'a> {
             self.attractors.push(attractor);
             self.attractors.len() - 1
         })
+    }
+
+    /// The attractor that an orbit has reached, with the periodic orbit by shooting. That of half
+    /// the period is taken where it attracts, and both halves agree to what shooting resolves.
+    pub(super) fn tested(&self, mut attractor: Attractor) -> (Attractor, Option<Cycle>) {
+        let mut cycle = self.cycle_of(&attractor);
+        while let Some(half) = cycle
+            .as_ref()
+            .filter(|cycle| cycle.is_half_twice() == Some(true))
+            .and_then(|_| attractor.half())
+            && let Some(single) = self.cycle_of(&half).filter(Cycle::is_stable)
+        {
+            (attractor, cycle) = (half, Some(single));
+        }
+        (attractor, cycle)
     }
 
     /// The number of an attractor that is known.
@@ -116,7 +135,7 @@ impl<'a> Attractors<'a> {
 
     /// Whether a multiplier lies outside the unit circle by more than the error of two that meet on
     /// it, the square root of that of the solver. In a family that is no criterion.
-    fn is_unstable(&self, cycle: &Cycle) -> bool {
+    pub(super) fn is_unstable(&self, cycle: &Cycle) -> bool {
         let error = SOLVER_TOLERANCES * self.options.coarsest();
         let values = multipliers(&cycle.monodromy);
         cycle.family == 0 && values.iter().any(|one| modulus(*one) > 1.0 + error.sqrt())

@@ -1,6 +1,7 @@
 //! The attractor that an orbit reaches, detected by recurrence.
 
 mod attractor;
+mod by_shooting;
 mod distinct;
 pub(super) mod equilibrium;
 mod history;
@@ -12,6 +13,7 @@ mod trap;
 
 pub(super) use attractor::shifts;
 pub use attractor::{Attractor, AttractorKind};
+pub use by_shooting::attractor_by_shooting;
 pub use distinct::Attractors;
 pub(super) use tolerance::SOLVER_TOLERANCES;
 
@@ -246,7 +248,8 @@ pub(super) fn attractor_of(
     options: &Options,
 ) -> Result<Attractor, Error> {
     let (section, options) = section(settings, options);
-    seek(system, section.as_slice(), x0, settings, &options)
+    let start = Moment { t: 0.0, x: x0 };
+    seek(system, section.as_slice(), start, settings, &options)
 }
 
 /// The section that gives the points of the orbits, and the options for it.
@@ -265,13 +268,13 @@ fn section(settings: &RecurrenceSettings, options: &Options) -> (Option<Section>
 fn seek(
     system: &dyn Dynamics,
     sections: &[Section],
-    x0: Vector,
+    start: Moment,
     settings: &RecurrenceSettings,
     options: &Options,
 ) -> Result<Attractor, Error> {
     settings.check()?;
-    let start = Moment { t: 0.0, x: x0 };
-    let mut orbit = system.begin(&start, settings.longest, options, sections)?;
+    let t_end = start.t + settings.longest;
+    let mut orbit = system.begin(&start, t_end, options, sections)?;
     let mut search = Search::new(system, &start.x, sections, settings, options);
     loop {
         let progress = orbit.step();

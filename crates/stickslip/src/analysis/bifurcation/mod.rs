@@ -5,11 +5,13 @@ mod change;
 
 use std::fmt;
 
-use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
+use super::attractors::{
+    Attractor, AttractorKind, RecurrenceSettings, attractor_by_shooting, attractor_of,
+};
 use super::continuation::CycleBifurcation;
 use super::cycle::{SequenceChange, StepBudget};
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
-use crate::dynamics::{AsDynamics, Components, Dynamics, Moment, Vector};
+use crate::dynamics::{AsDynamics, Components, Dynamics, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 
@@ -229,7 +231,8 @@ impl WhatChanges {
 }
 
 /// Follows an attractor through `parameters`, in the given order. Each run starts from the state
-/// reached at the previous value. `family` constructs the system for each parameter.
+/// reached at the previous value. `family` constructs the system for each parameter. An unstable
+/// periodic orbit is left as in [`super::attractor_by_shooting`].
 ///
 /// [`locate_changes`] finds what happens between two values.
 ///
@@ -262,26 +265,27 @@ pub fn sweep<S: AsDynamics<Kind>, Kind>(
     let mut x = x0.vector();
     let of_each = parameters.into_iter().map(|parameter| {
         let system = family(parameter);
-        point(&*system.dynamics(), parameter, &mut x, settings, options)
+        point(&system.dynamics(), parameter, &mut x, settings, options)
     });
     of_each.collect()
 }
 
 /// The attractor from a state, which becomes that with which the next value continues.
 fn point(
-    system: &dyn Dynamics,
+    system: &DynamicsRef<'_>,
     parameter: f64,
     x: &mut Vector,
     settings: &SweepSettings,
     options: &Options,
 ) -> Result<SweepPoint, Error> {
-    let reached = attractor_of(system, x.clone(), &settings.recurrence, options)?;
+    let reached = attractor_of(&**system, x.clone(), &settings.recurrence, options)?;
+    let reached = attractor_by_shooting(system, reached, &settings.recurrence, options);
     if let Some(next) = carried_on(&reached, &settings.recurrence) {
         x.clone_from(next);
     }
     let exponent = settings.spectrum.and_then(|spectrum| {
         let (t, x) = (0.0, x.clone());
-        let spectrum = spectrum_of(system, Moment { t, x }, &spectrum).ok()?;
+        let spectrum = spectrum_of(&**system, Moment { t, x }, &spectrum).ok()?;
         spectrum.exponents.first().copied()
     });
     Ok(SweepPoint {

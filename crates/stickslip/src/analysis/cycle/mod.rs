@@ -18,6 +18,8 @@ mod sequence_change;
 mod shooting;
 mod step_budget;
 
+use super::Stability;
+use super::multipliers::eigenvalues;
 use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
 use crate::filippov::Options;
 pub(super) use jacobian::Jacobian;
@@ -121,6 +123,11 @@ impl Cycle {
     /// Whether the flow map has a derivative at the orbit.
     pub fn is_differentiable(&self) -> bool {
         self.monodromy.iter().all(|entry| entry.is_finite())
+    }
+
+    /// Whether all its multipliers lie inside the unit circle, as [`Stability`] counts it.
+    pub fn is_stable(&self) -> bool {
+        Stability::of(&eigenvalues(&self.monodromy)) == Stability::Stable
     }
 
     /// Whether the cut segment has become much shorter than the longest one, or the end of a

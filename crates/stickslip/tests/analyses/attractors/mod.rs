@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use crate::is_same_cycle;
 use numerics::SplitMix;
 use stickslip::analysis::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, basin, periodic_orbit,
-    periodic_orbit_forced,
+    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_by_shooting,
+    basin, periodic_orbit, periodic_orbit_forced,
 };
 use stickslip::{Error, IntoState, Method, Mode, Options, Side, State, math, solve};
 
@@ -611,6 +611,12 @@ fn a_start_on_an_unstable_orbit_reaches_no_attractor() {
     );
     assert_eq!(known.all()[1].kind, AttractorKind::Unstable);
     assert!(!AttractorKind::Unstable.is_attractor());
+    // The displaced orbit reaches the attractor.
+    let on_it = attractor(system.dynamics(), [0.0, 0.0], &settings, &options).unwrap();
+    let beside = attractor_by_shooting(system.dynamics(), on_it, &settings, &options);
+    assert!(beside.kind.is_attractor() && beside.x.norm() > 0.1);
+    let again = attractor_by_shooting(system.dynamics(), beside.clone(), &settings, &options);
+    assert_eq!(beside, again);
 }
 
 /// A driven double well beside a state that decays. What is left of the decay when an orbit repeats
