@@ -17,6 +17,7 @@ mod fit;
 mod forces;
 mod friction;
 mod held;
+mod hidden_crossings;
 mod hybrid;
 mod inputs;
 mod instants;
