@@ -341,9 +341,10 @@ class EquilibriumBranch(Result):
         ``"stable"``, ``"neutral"`` or ``"unstable"``.
     special : Table
         Bifurcations: ``name`` (``"fold"``, ``"branch point"``, ``"Hopf"``,
-        ``"boundary equilibrium"``), ``parameter``, ``uncertainty``, ``frequency`` of a Hopf
-        bifurcation, ``contact`` of a boundary equilibrium with the modes ``before`` and ``after``,
-        the state ``y``, and ``behind``, the number of equilibria of the branch before it.
+        ``"boundary equilibrium"``, ``"unresolved crossing"``), ``parameter``, ``uncertainty``,
+        ``frequency`` of a Hopf bifurcation, ``contact`` of a boundary equilibrium with the modes
+        ``before`` and ``after``, the state ``y``, and ``behind``, the number of equilibria of the
+        branch before it.
     stops : (str, str)
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
         `most_points`, ``"boundary equilibrium"`` at a boundary beyond which there is none,

@@ -17,6 +17,22 @@ impl System {
         all.nth(number).cloned().unwrap_or_default()
     }
 
+    /// What a solution reaches where the event function of a contact or a jump is zero, by the
+    /// number of [`System::contact_name`].
+    pub fn surface(&self, number: usize) -> String {
+        let name = self.contact_name(number);
+        let part = |stop: &str| {
+            name.strip_prefix(stop)
+                .is_some_and(|part| part.starts_with('.'))
+        };
+        let stop = self.file.stops.iter().find(|stop| part(&stop.name));
+        match stop {
+            Some(stop) => format!("the stop {}", stop.name),
+            None if number < self.contacts() => format!("the boundary of {name}"),
+            None => format!("the guard of {name}"),
+        }
+    }
+
     /// The names of several contacts.
     pub fn contact_names(&self, numbers: &[usize]) -> String {
         let names = numbers.iter().map(|&number| self.contact_name(number));

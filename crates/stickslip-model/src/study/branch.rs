@@ -48,6 +48,8 @@ pub struct WholeBranch {
     pub first: usize,
     /// Reasons for the ends of the branch, downwards and upwards.
     pub stops: [Stop; 2],
+    /// Dimension of the family to which its orbits belong: [`Branch::family`].
+    pub family: usize,
 }
 
 /// A branch that begins at a special orbit of another one.
@@ -253,6 +255,7 @@ impl<'a> Along<'a> {
             points: way.points.iter().take(1).cloned().collect(),
             special: Vec::new(),
             stop: Stop::Points,
+            family: way.family,
         };
         let mut branch = self.joined::<E>([begin, way], options)?;
         self.find_uncertainties(&mut branch, options);
@@ -322,13 +325,14 @@ impl<'a> Along<'a> {
         only_once(&mut ways);
         let [mut down, up] = ways;
         // The first orbit may be a special one, which both directions then find.
-        if let (Some(one), Some(other)) = (down.special.first(), up.special.first()) {
+        let pairs = down.special.iter().zip(&up.special);
+        let same = pairs.take_while(|(one, other)| {
             let known = one.uncertainty + other.uncertainty;
             let is_near = (one.parameter - other.parameter).abs() <= known;
-            if is_near && one.what.to_string() == other.what.to_string() {
-                down.special.remove(0);
-            }
-        }
+            is_near && one.what.to_string() == other.what.to_string()
+        });
+        let same = same.count();
+        down.special.drain(..same);
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();
@@ -359,6 +363,7 @@ impl<'a> Along<'a> {
             special: special.collect(),
             first,
             stops: [down.stop, up.stop],
+            family: down.family,
         })
     }
 

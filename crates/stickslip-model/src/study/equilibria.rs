@@ -101,6 +101,15 @@ impl EquilibriaOfBranch {
             same.special.clear();
             same.stop = Stop::Closed;
         }
+        // The first equilibrium may be a special one, which both directions then find.
+        let pairs = down.special.iter().zip(&up.special);
+        let same = pairs.take_while(|(one, other)| {
+            let known = one.uncertainty + other.uncertainty;
+            let is_near = (one.parameter - other.parameter).abs() <= known;
+            is_near && one.what.to_string() == other.what.to_string()
+        });
+        let same = same.count();
+        down.special.drain(..same);
         // Both directions contain the first equilibrium.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();

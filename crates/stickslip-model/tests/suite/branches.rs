@@ -511,6 +511,41 @@ fn equilibria(text: &str, (name, low, high): (&str, f64, f64)) -> (System, Equil
     (system, branch)
 }
 
+/// Sizes at the start say nothing of the branch: `x = p²` passes zero, and `300 ± √p` turns.
+#[test]
+fn branches_of_equilibria_near_zero_and_beside_an_offset_go_to_the_ends_of_the_range() {
+    let file = |rate: &str, p: f64, start: f64| {
+        format!(
+            "name = \"field\"\n[states]\nx = \"\"\n[parameters]\np = {p:e}\n[field]\n\
+             x = \"{rate}\"\n[start]\nx = {start:e}\n"
+        )
+    };
+    let (_, parabola) = equilibria(&file("p^2 - x", 1e-3, 1e-6), ("p", -1.0, 1.0));
+    assert_eq!(parabola.stops, [Stop::Range, Stop::Range]);
+    assert!(parabola.special.is_empty());
+    for at in &parabola.points {
+        assert!(
+            (at.x[0] - at.parameter * at.parameter).abs() < 1e-14,
+            "{at:?}"
+        );
+    }
+    for size in [1.0, 1e-3] {
+        let (p, start) = (0.25 * size * size, 300.0 + 0.5 * size);
+        let text = file("p - (x - 300)^2", p, start);
+        let width = size * size;
+        let (_, turns) = equilibria(&text, ("p", -width, width));
+        assert_eq!(turns.stops, [Stop::Range, Stop::Range], "{size}");
+        let [fold] = turns.special.as_slice() else {
+            panic!("{size}: {:?}", turns.special);
+        };
+        assert_eq!(fold.what, EquilibriumBifurcation::Fold);
+        assert!(
+            fold.parameter.abs() <= fold.uncertainty + 1e-12 * width,
+            "{fold:?}"
+        );
+    }
+}
+
 /// A focus at (p, 0) below x = 0; above it the field (-1, -1). For p < 0 there is also an
 /// equilibrium of sliding at y = 1.3 p / 0.7. At p = 0 both vanish.
 const MEETS: &str = r#"

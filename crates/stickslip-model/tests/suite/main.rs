@@ -18,6 +18,7 @@ mod fit_seen;
 mod forces;
 mod friction;
 mod held;
+mod hidden_crossings;
 mod hybrid;
 mod inputs;
 mod instants;

@@ -11,7 +11,7 @@ use stickslip::{Error, Options, math};
 use stickslip_model::file::System;
 use stickslip_model::study::{Along, PeriodicSearch};
 
-use crate::run::{SEARCH, branch, options, orbit, orbit_from, system, with};
+use crate::run::{SEARCH, branch, branch_through, options, orbit, orbit_from, system, with};
 
 pub type Range<'a> = (&'a str, f64, f64);
 
@@ -415,4 +415,44 @@ fn branches_of_a_lemniscate_begin_and_end_where_its_closed_form_says() {
         }
         assert!(doubled >= 2, "{step}: {found:?}");
     }
+}
+
+/// `x → x + p + q x - x³` has folds at `x² = q/3`.
+#[test]
+fn a_branch_that_begins_at_a_fold_is_none_of_a_family() {
+    let map = |set: &str, p: f64, start: f64| {
+        format!(
+            "name = \"map\"\n[time]\nperiod = 1\n[states]\nx = \"\"\n[parameters]\np = {p:e}\n\
+             [jumps.map]\nwhen = \"sin(2*pi*t + 1)\"\ndirection = \"rising\"\n\
+             set = {{ x = \"{set}\" }}\n[field]\nx = \"0\"\n[start]\nx = {start:e}\n"
+        )
+    };
+    let found = |text: &str| {
+        let (system, options) = (system(text), options("taylor"));
+        let search = PeriodicSearch {
+            transient: Some(0.0),
+            ..SEARCH
+        };
+        let orbit = orbit_from(&system, 0.0, &search, &options);
+        branch_through(&system, &orbit, ("p", -0.3, 0.3), 0.02, &options)
+    };
+    let turn = 0.1_f64.sqrt();
+    let fold = 0.3 * turn - turn * turn * turn;
+    let branch = found(&map("x + p + 0.3*x - x^3", fold, -turn));
+    assert_eq!(
+        (branch.family, &branch.stops),
+        (0, &[Stop::Range, Stop::Range])
+    );
+    let folds = branch.special.iter().map(|at| (at.what.to_string(), at));
+    let mut places: Vec<f64> = Vec::new();
+    for (name, at) in folds {
+        assert_eq!(name, "fold");
+        let off = (at.parameter.abs() - fold).abs();
+        assert!(off <= at.uncertainty + 1e-12, "{at:?}");
+        places.push(at.parameter);
+    }
+    assert!(
+        places.len() == 2 && places[0] * places[1] < 0.0,
+        "{places:?}"
+    );
 }

@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, EdgeKind, EdgeSettings, Push, PushSettings,
-    RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many, edge_state, least_pushes,
-    lyapunov_spectrum, multipliers,
+    AttractorKind, ContinuationSettings, EdgeKind, EdgeSettings, EquilibriumBifurcation, Push,
+    PushSettings, RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many, edge_state,
+    least_pushes, lyapunov_spectrum, multipliers,
 };
 use stickslip::dynamics::{Modes, Step, Vector};
 use stickslip::{Error, Options, math};
@@ -518,6 +518,12 @@ fn equilibria_end_where_a_gap_or_a_reaction_vanishes() {
         let held = with(text, &[("q", q)]);
         let along = Along::new(&held, "q", (-1.0, 1.0)).unwrap();
         let found = along.equilibria(&start, &settings, &options).unwrap();
+        for one in &found.special {
+            let EquilibriumBifurcation::Boundary { contact, .. } = one.what else {
+                panic!("{one:?}");
+            };
+            assert_eq!(held.surface(contact), "the stop wall");
+        }
         let at = found.special.iter().map(|one| one.parameter);
         let all = found.points.iter().map(|one| one.parameter);
         (all.collect::<Vec<f64>>(), at.collect::<Vec<f64>>())

@@ -20,6 +20,8 @@ pub(super) struct Critical {
     pub angle: f64,
     /// The multipliers without the trivial one of an autonomous system.
     pub multipliers: Vec<Complex<f64>>,
+    /// The multipliers that are not those of a family.
+    pub others: Vec<Complex<f64>>,
 }
 
 impl Critical {
@@ -54,6 +56,7 @@ impl Critical {
             circle: nearest.map(|value| value.norm_sqr() - 1.0),
             angle: nearest.map_or(0.0, |value| crate::math::atan2(value.im, value.re)),
             multipliers,
+            others,
         }
     }
 }

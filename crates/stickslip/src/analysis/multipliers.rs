@@ -2,7 +2,9 @@
 
 use nalgebra::{Complex, Schur};
 
+use super::cycle::{SAFETY, ULPS};
 use crate::dynamics::Matrix;
+use crate::math::modulus;
 
 /// Multipliers of a periodic orbit: the eigenvalues of its monodromy matrix. The one nearest to 1
 /// comes first (the trivial one of an autonomous system), then the others in descending order of
@@ -53,6 +55,26 @@ pub(super) fn eigenvalues(matrix: &Matrix) -> Vec<Complex<f64>> {
         .to_vec(),
         _ => by_schur(matrix.clone()).unwrap_or_else(unknown),
     }
+}
+
+/// Uncertainties of multipliers from those of half the steps, each from the nearest one that is
+/// left; NaN where there is none. `largest` is that of the entries of the monodromy matrix.
+pub(super) fn uncertainties(
+    found: &[Complex<f64>],
+    mut others: Vec<Complex<f64>>,
+    largest: f64,
+) -> Vec<f64> {
+    let rounding = ULPS * f64::EPSILON * largest;
+    let uncertainty = |value: &Complex<f64>| {
+        let off = |other: &Complex<f64>| modulus(other - value);
+        let distances = others.iter().map(off).enumerate();
+        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or(f64::NAN, |(k, distance)| {
+            others.swap_remove(k);
+            SAFETY * distance + rounding
+        })
+    };
+    found.iter().map(uncertainty).collect()
 }
 
 fn by_schur(matrix: Matrix) -> Option<Vec<Complex<f64>>> {

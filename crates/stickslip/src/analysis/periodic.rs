@@ -4,9 +4,9 @@ use nalgebra::Complex;
 
 use super::attractors::SOLVER_TOLERANCES;
 use super::continuation::BranchPoint;
-use super::cycle::{Cycle, Outline, SAFETY, Shooting, ULPS};
+use super::cycle::{Cycle, Outline, Shooting};
 use super::monodromy::{flow_derivative, velocity_in};
-use super::multipliers::{eigenvalues, multipliers};
+use super::multipliers::{eigenvalues, multipliers, uncertainties};
 use super::passages::{passages, plane};
 use super::stability::Stability;
 use crate::dynamics::{
@@ -14,7 +14,6 @@ use crate::dynamics::{
 };
 use crate::error::Error;
 use crate::filippov::Options;
-use crate::math::modulus;
 use crate::orbit::Ending;
 
 /// A periodic orbit.
@@ -319,7 +318,7 @@ pub fn multiplier_uncertainties<Kind>(
         found
     });
     let found = multipliers(&orbit.monodromy);
-    distances(&found, others, orbit.monodromy.amax())
+    uncertainties(&found, others, orbit.monodromy.amax())
 }
 
 /// Uncertainties of the multipliers of an orbit of a branch, in their order, as
@@ -338,7 +337,7 @@ pub fn branch_multiplier_uncertainties<Kind>(
     let (others, largest) = again.map_or((Vec::new(), f64::NAN), |cycle| {
         (eigenvalues(&cycle.monodromy), cycle.monodromy.amax())
     });
-    distances(&orbit.multipliers, others, largest)
+    uncertainties(&orbit.multipliers, others, largest)
 }
 
 /// A periodic orbit once more, with half the steps.
@@ -351,22 +350,6 @@ fn with_half_steps(
     let forced = is_forced.then_some(period);
     let finer = Shooting::of(system, &outline, forced, options).finer();
     finer.nearest(&outline, None)
-}
-
-/// Uncertainties of multipliers from those of half the steps, each from the nearest one that is
-/// left; NaN where there is none. `largest` is that of the entries of the monodromy matrix.
-fn distances(found: &[Complex<f64>], mut others: Vec<Complex<f64>>, largest: f64) -> Vec<f64> {
-    let rounding = ULPS * f64::EPSILON * largest;
-    let uncertainty = |value: &Complex<f64>| {
-        let off = |other: &Complex<f64>| modulus(other - value);
-        let distances = others.iter().map(off).enumerate();
-        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.map_or(f64::NAN, |(k, distance)| {
-            others.swap_remove(k);
-            SAFETY * distance + rounding
-        })
-    };
-    found.iter().map(uncertainty).collect()
 }
 
 /// A state of an orbit, and its mode there.

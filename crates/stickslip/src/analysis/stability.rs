@@ -9,7 +9,7 @@ use crate::math::modulus;
 /// Largest distance of a neutral multiplier from modulus 1: the square root of the error of an
 /// orbit computed to 1e-12. If two multipliers meet at 1, as without damping, an error of the
 /// monodromy matrix moves them by its square root.
-const NEUTRAL_DISTANCE: f64 = 1e-6;
+pub(super) const NEUTRAL_DISTANCE: f64 = 1e-6;
 
 /// The fate of a small deviation from a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -196,7 +196,7 @@ pub(super) fn diagram(
     for (number, curve) in curves.iter().enumerate() {
         let points: Vec<_> = curve.places.iter().map(|at| place(*at)).collect();
         let line = Line::new(points).color(COLORS[number % COLORS.len()]);
-        let legend = format!("{} {}", number + 1, curve.what);
+        let legend = format!("curve {}: {}", number + 1, curve.what);
         panel.add(line.width(1.4).legend(&legend));
     }
     let special = || curves.iter().flat_map(|curve| &curve.special);

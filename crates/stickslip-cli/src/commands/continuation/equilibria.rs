@@ -3,7 +3,7 @@
 use plot::{BLACK, Figure, Legend, Markers, Panel, Shape};
 use serde_json::{Value, json};
 use stickslip::analysis::{
-    EquilibriumBifurcation, EquilibriumPoint, SpecialEquilibrium, Stability,
+    EquilibriumBifurcation, EquilibriumPoint, SpecialEquilibrium, Stability, Stop,
 };
 use stickslip::error::readable;
 use stickslip_model::file::System;
@@ -31,7 +31,11 @@ pub(super) fn report(
         ..
     } = branch;
     let count = points.len();
-    let what = format!("{count} equilibria over {}", range.words());
+    let what = match count {
+        1 => "1 equilibrium".to_owned(),
+        _ => format!("{count} equilibria"),
+    };
+    let what = format!("{what} over {}", range.words());
     let mut report = Report::of(system, what);
     report.field("parameter", range).field("points", count);
     if let Some(at) = points.get(*first) {
@@ -51,11 +55,17 @@ pub(super) fn report(
     }
     let objects: Vec<Value> = special.iter().map(|at| object(at, system)).collect();
     report.field("special", objects);
-    let ends = [points.first(), points.last()].into_iter().zip(stops);
+    let ends = [
+        (points.first(), special.first()),
+        (points.last(), special.last()),
+    ];
     let ends: Vec<Value> = ends
+        .into_iter()
+        .zip(stops)
         .zip(["downwards", "upwards"])
-        .map(|((last, stop), way)| {
-            let EndDescription { stop, words, .. } = EndDescription::of(stop, system, name);
+        .map(|(((last, special), stop), way)| {
+            let words = words_of_end((stop, special), system, name);
+            let stop = EndDescription::of(stop, system, name).stop;
             let parameter = last.map(|last| last.parameter);
             let at = parameter.map_or_else(String::new, readable);
             report.note(format!("begun {way}, it ends at {name} = {at}, {words}"));
@@ -69,25 +79,50 @@ pub(super) fn report(
     Ok(report)
 }
 
+/// The end of a branch in words that follow "it ends", with the special equilibrium next to it.
+fn words_of_end(
+    (stop, special): (&Stop, Option<&SpecialEquilibrium>),
+    system: &System,
+    name: &str,
+) -> String {
+    let what = special.map(|at| (&at.what, place(at.parameter, at.uncertainty)));
+    match (stop, what) {
+        (
+            Stop::BoundaryEquilibrium { .. },
+            Some((EquilibriumBifurcation::Boundary { contact, .. }, at)),
+        ) => format!(
+            "where it reaches {}: {name} = {at}",
+            system.surface(*contact)
+        ),
+        (Stop::Points, _) => "after the largest number of equilibria (--points)".to_owned(),
+        (Stop::NoConvergence, _) => {
+            "where no further equilibrium was found; a shorter --step may help".to_owned()
+        }
+        _ => EndDescription::of(stop, system, name).words,
+    }
+}
+
 /// A special equilibrium in words.
 pub(super) fn words(at: &SpecialEquilibrium, system: &System) -> String {
     match at.what {
         EquilibriumBifurcation::Hopf { frequency } => {
             format!("Hopf bifurcation, frequency {}", readable(frequency))
         }
-        EquilibriumBifurcation::Boundary { turns, .. } => {
-            let (contact, [before, after]) = boundary_of(at, system);
-            let contact = match system.contacts() {
-                1 => String::new(),
-                _ => format!(" of {contact}"),
-            };
+        EquilibriumBifurcation::Boundary { contact, turns, .. } => {
+            let (_, [before, after]) = boundary_of(at, system);
+            let surface = system.surface(contact);
             let what = match (&*after, turns) {
-                ("", _) => format!("mode {before} ends: none was found beyond"),
+                ("", _) => "no equilibrium was found beyond".to_owned(),
                 (_, true) => format!("nonsmooth fold, between modes {before} and {after}"),
                 (_, false) => format!("persistence, between modes {before} and {after}"),
             };
-            format!("boundary equilibrium{contact}, {what}")
+            format!("boundary equilibrium at {surface}, {what}")
         }
+        EquilibriumBifurcation::Unresolved { before, after } => format!(
+            "{}: {after} eigenvalues have a positive real part instead of {before}, and no \
+             bifurcation that explains it was resolved",
+            at.what
+        ),
         ref other => other.to_string(),
     }
 }
@@ -176,6 +211,7 @@ fn diagram(
         ("branch point", Shape::Up),
         ("Hopf", Shape::Diamond),
         ("boundary equilibrium", Shape::Down),
+        ("unresolved crossing", Shape::Square),
     ];
     for (kind, shape) in kinds {
         let there = special.iter().filter(|at| at.what.to_string() == kind);

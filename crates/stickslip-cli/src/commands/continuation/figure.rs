@@ -121,12 +121,13 @@ pub(super) fn curve(
 }
 
 /// Labels of special orbits, in the order of the legend.
-const SPECIAL: [&str; 5] = [
+const SPECIAL: [&str; 6] = [
     "fold",
     "branch point",
     "flip",
     "Neimark–Sacker",
     "change of phases",
+    "unresolved crossing",
 ];
 
 /// Adds the markers of the special orbits to the panel of a value.
@@ -167,6 +168,7 @@ fn mark(kind: &CycleBifurcation) -> Option<(&'static str, Color, Shape)> {
         CycleBifurcation::Flip => (SPECIAL[2], GREEN, Shape::Diamond),
         CycleBifurcation::NeimarkSacker { .. } => (SPECIAL[3], VERMILLION, Shape::Down),
         CycleBifurcation::Sequence(_) => (SPECIAL[4], ORANGE, Shape::Square),
+        CycleBifurcation::Unresolved { .. } => (SPECIAL[5], BLACK, Shape::Diamond),
         CycleBifurcation::Homoclinic { .. } | CycleBifurcation::TwoFold => return None,
     })
 }

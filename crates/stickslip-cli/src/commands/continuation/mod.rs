@@ -195,7 +195,7 @@ fn continued(arguments: &Arguments, prepared: &PreparedRun) -> Result<(Report, W
         })
     });
     let others = others.transpose()?;
-    let mut report = report::of(system, &range, (&branch, orbit.family), others.as_deref())?;
+    let mut report = report::of(system, &range, &branch, others.as_deref())?;
     if let Some(also) = also {
         let curves = with_spinner("following the special orbits in two parameters", |_| {
             let how = (&settings, options);

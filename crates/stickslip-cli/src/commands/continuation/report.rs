@@ -16,17 +16,20 @@ use super::tables::{columns, rows, special_columns};
 use crate::failure::Failure;
 use crate::render::{Report, explained, place};
 
-/// The report of a branch whose orbits belong to a family of some dimension, and of the others that
-/// begin on it, if they were followed.
+/// The report of a branch, and of the others that begin on it, if they were followed.
 pub(super) fn of(
     system: &System,
     range: &ParameterRange,
-    (branch, family): (&WholeBranch, usize),
+    branch: &WholeBranch,
     others: Option<&[SideBranch]>,
 ) -> Result<Report, Failure> {
-    let (name, points) = (&range.name, &branch.points);
+    let (name, points, family) = (&range.name, &branch.points, branch.family);
     let orbits = points.len();
-    let what = format!("{orbits} periodic orbits over {}", range.words());
+    let what = match orbits {
+        1 => "1 periodic orbit".to_owned(),
+        _ => format!("{orbits} periodic orbits"),
+    };
+    let what = format!("{what} over {}", range.words());
     let mut report = Report::of(system, what);
     report
         .field("parameter", range)
@@ -171,6 +174,8 @@ fn of_other(
     if let Some((key, value)) = end.detail {
         object[key] = value;
     }
-    let note = format!("branch {number}{begin}: {orbits} orbits{of_last}; it ends {words}{bubble}");
+    let plural = if orbits == 1 { "" } else { "s" };
+    let note =
+        format!("branch {number}{begin}: {orbits} orbit{plural}{of_last}; it ends {words}{bubble}");
     (note, object)
 }

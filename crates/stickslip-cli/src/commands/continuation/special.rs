@@ -28,6 +28,11 @@ pub(super) fn words(at: &SpecialPoint, system: &System) -> String {
                 _ => name,
             }
         }
+        CycleBifurcation::Unresolved { before, after } => format!(
+            "{}: {after} multipliers are outside the unit circle instead of {before}, and no \
+             bifurcation that explains it was resolved",
+            at.what
+        ),
         other => other.to_string(),
     }
 }

@@ -208,6 +208,7 @@ fn equilibrium(
         EquilibriumBifurcation::Boundary { .. } => {
             WhatChanges::BoundaryEquilibrium { parameter, x }
         }
+        EquilibriumBifurcation::Unresolved { .. } => WhatChanges::Unlocated,
         what => WhatChanges::Equilibrium {
             parameter,
             x,

@@ -165,7 +165,9 @@ impl fmt::Display for WhatChanges {
             WhatChanges::Equilibrium { frequency, .. } if *frequency > 0.0 => {
                 f.write_str("Hopf bifurcation of the equilibrium")
             }
-            WhatChanges::Equilibrium { .. } => f.write_str("zero eigenvalue of the equilibrium"),
+            WhatChanges::Equilibrium { .. } => {
+                f.write_str("fold or branch point of the equilibrium")
+            }
             WhatChanges::BoundaryEquilibrium { .. } => {
                 f.write_str("boundary-equilibrium bifurcation")
             }

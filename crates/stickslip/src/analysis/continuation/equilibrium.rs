@@ -5,6 +5,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
+use super::crossings::{Crossing, Eigenvalue, MOST_HALVINGS, Spectra, Spectrum};
 use super::sequence_changes::STEP_BEYOND;
 use super::stepping::{FIRST_STEP, Outcome, SHORTER, Stepping, follow};
 use super::tangent_line::LEAST_COSINE;
@@ -16,7 +17,7 @@ use crate::analysis::critical::RESOLVED_PLACE;
 use crate::analysis::cycle::{
     AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, resolved, unit, with_last_digits,
 };
-use crate::analysis::multipliers::eigenvalues;
+use crate::analysis::multipliers::{eigenvalues, uncertainties};
 use crate::analysis::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Dynamics, Matrix, Modes, Moment, Vector};
 use crate::error::Error;
@@ -67,6 +68,14 @@ pub enum EquilibriumBifurcation {
         /// Whether the branch turns back there: a nonsmooth fold, and not persistence.
         turns: bool,
     },
+    /// The number of eigenvalues with a positive real part changes, and no bifurcation was resolved
+    /// that explains it.
+    Unresolved {
+        /// Their number before it.
+        before: usize,
+        /// Their number after it.
+        after: usize,
+    },
 }
 
 impl fmt::Display for EquilibriumBifurcation {
@@ -76,6 +85,7 @@ impl fmt::Display for EquilibriumBifurcation {
             EquilibriumBifurcation::BranchPoint => "branch point",
             EquilibriumBifurcation::Hopf { .. } => "Hopf",
             EquilibriumBifurcation::Boundary { .. } => "boundary equilibrium",
+            EquilibriumBifurcation::Unresolved { .. } => "unresolved crossing",
         })
     }
 }
@@ -241,6 +251,24 @@ impl BranchEquilibrium {
         eigenvalues(&self.along)
     }
 
+    /// The eigenvalues, which rounding leaves uncertain: by that of the largest entry, and as much
+    /// as a change of each entry by its rounding shows.
+    fn spectrum(&self) -> Spectrum {
+        let values = self.eigenvalues();
+        let rounded = Matrix::from_fn(self.along.nrows(), self.along.ncols(), |i, j| {
+            let sign = if (i + 2 * j) % 3 == 0 { -1.0 } else { 1.0 };
+            self.along[(i, j)] * (1.0 + sign * ROUNDING)
+        });
+        let largest = self.along.amax();
+        let known = uncertainties(&values, eigenvalues(&rounded), largest);
+        let eigenvalue = |(value, known): (Complex<f64>, f64)| Eigenvalue {
+            value,
+            beyond: value.re,
+            uncertainty: known.max(ROUNDING * largest),
+        };
+        Spectrum(values.into_iter().zip(known).map(eigenvalue).collect())
+    }
+
     /// The pair of eigenvalues nearest to the imaginary axis.
     fn pair(&self) -> Option<Complex<f64>> {
         let pairs = self.eigenvalues().into_iter().filter(|one| one.im > 0.0);
@@ -310,6 +338,26 @@ impl Path for EquilibriaOnLine<'_> {
 
     fn parameter(&self, one: &BranchEquilibrium) -> f64 {
         one.parameter()
+    }
+}
+
+impl Spectra for EquilibriaOnLine<'_> {
+    type Solution = BranchEquilibrium;
+
+    fn solution_on(&self, place: f64) -> Option<BranchEquilibrium> {
+        self.on(place)
+    }
+
+    fn spectrum(&self, one: &BranchEquilibrium) -> Option<Spectrum> {
+        Some(one.spectrum())
+    }
+
+    fn locate(
+        &self,
+        ends: [(f64, f64); 2],
+        function: &SolutionFunction<'_, BranchEquilibrium>,
+    ) -> Option<LocatedZero<BranchEquilibrium>> {
+        self.zero(ends, function)
     }
 }
 
@@ -509,25 +557,71 @@ impl EquilibriumContinuation<'_> {
             .into_iter()
             .flatten()
             .any(|one| one.abs() > ROUNDING);
+        // Where the last one has more neutral eigenvalues than the next, it is special itself.
+        let spectra = [last, next].map(BranchEquilibrium::spectrum);
+        let earlier = path.before_neutral(length, spectra.each_ref());
+        let (begins, begin) = earlier.as_ref().map_or((0.0, last), |(s, one)| (*s, one));
+        let [_, there] = spectra;
+        let spectra = [begin.spectrum(), there];
+        let is_neutral = |crossing| spectra.iter().all(|one| one.has_neutral(crossing));
         type Named<'f> = (
-            EquilibriumBifurcation,
+            (EquilibriumBifurcation, Crossing),
             &'f SolutionFunction<'f, BranchEquilibrium>,
             f64,
         );
-        let mut functions: Vec<Named<'_>> = vec![(hopf, &rate, ROUNDING * size)];
-        if is_moved {
-            functions.push((EquilibriumBifurcation::Fold, &heading, ROUNDING));
-            functions.push((EquilibriumBifurcation::BranchPoint, &branch, 0.0));
+        let mut functions: Vec<Named<'_>> = Vec::new();
+        if !is_neutral(Crossing::Pair(0)) {
+            functions.push(((hopf, Crossing::Pair(0)), &rate, ROUNDING * size));
         }
-        let mut zeros: Vec<_> = functions
-            .into_iter()
-            .filter_map(|(what, function, noise)| {
-                let (a, b) = (function(last)?, function(next)?);
-                let changes = a * b < 0.0 && a.abs().max(b.abs()) > noise;
-                let ends = changes.then_some([(0.0, a), (length, b)])?;
-                Some((path.zero(ends, function)?, what))
-            })
-            .collect();
+        if is_moved {
+            let [fold, point] = [
+                EquilibriumBifurcation::Fold,
+                EquilibriumBifurcation::BranchPoint,
+            ]
+            .map(|what| (what, Crossing::Positive));
+            functions.push((fold, &heading, ROUNDING));
+            functions.push((point, &branch, 0.0));
+        }
+        let mut located = Vec::new();
+        let mut zeros = Vec::new();
+        for ((what, crossing), function, noise) in functions {
+            let (Some(a), Some(b)) = (function(begin), function(next)) else {
+                continue;
+            };
+            if a * b >= 0.0 || a.abs().max(b.abs()) <= noise {
+                continue;
+            }
+            if let Some(zero) = path.zero([(begins, a), (length, b)], function) {
+                let crossing = match crossing {
+                    Crossing::Pair(_) => Crossing::Pair(if a < b { 2 } else { -2 }),
+                    real => real,
+                };
+                located.push((zero.s, crossing));
+                zeros.push((zero, what));
+            }
+        }
+        let [a, b] = spectra;
+        let ends = [&(begins, begin, a), &(length, next, b)];
+        for one in path.hidden(ends, &located, MOST_HALVINGS) {
+            let [before, after] = ends.map(|end| end.2.unstable());
+            zeros.push(match (one.at, one.crossing) {
+                (Some(at), Crossing::Pair(_)) => {
+                    let frequency = one.value.im.abs();
+                    (at, EquilibriumBifurcation::Hopf { frequency })
+                }
+                // The branch goes on beyond it: it would turn at a fold.
+                (Some(at), _) => (at, EquilibriumBifurcation::BranchPoint),
+                (None, _) => {
+                    let at = LocatedZero {
+                        s: 0.5 * (begins + length),
+                        parameter: 0.5 * (begin.parameter() + next.parameter()),
+                        solution: next.clone(),
+                        uncertainty: 0.5 * (next.parameter() - begin.parameter()).abs(),
+                    };
+                    (at, EquilibriumBifurcation::Unresolved { before, after })
+                }
+            });
+        }
         let flow = self.system.flow(line.mode, &last.at);
         let guards = flow.guards().into_iter().filter(|guard| guard.is_condition);
         for guard in guards {
@@ -583,16 +677,24 @@ impl EquilibriumContinuation<'_> {
     }
 
     /// The units at the first equilibrium of a branch. A state has its own size there or, if that
-    /// is more, that of its change over the parameter's range by its rate along the branch. A state
-    /// of which both are within the tolerances has the largest size.
+    /// is more, that of its change over the parameter's range by its rate along the branch. Next to
+    /// a fold, where rates have no bound, it has the largest size of a state or the change by the
+    /// secant of a step. A state of which all are within the tolerances has the largest size.
     fn units_at(&self, first: &BranchEquilibrium, options: &Options) -> Vector {
         let (x, last) = (&first.at.x, self.units.len() - 1);
         let line = self.tangent(first, &unit(last + 1, last));
         let mut units = self.units.clone();
+        let farther = [1.0, -1.0].into_iter().find_map(|sign| {
+            let mut guess = x.clone();
+            guess[last] += sign * self.settings.step * units[last];
+            self.solve(first.mode, &guess, &[&unit(last + 1, last)])
+        });
         for i in 0..last {
             let rate = |line: &EquilibriumTangent| (line.direction[i] / line.heading()).abs();
             let change = line.as_ref().map_or(0.0, rate) * units[last];
-            let own = x[i].abs().max(change).min(self.largest);
+            let secant = |one: &BranchEquilibrium| (one.at.x[i] - x[i]).abs() / self.settings.step;
+            let most = self.largest.max(farther.as_ref().map_or(0.0, secant));
+            let own = x[i].abs().max(change).min(most);
             if own > resolved(options.allowed(i, x[i].abs())) {
                 units[i] = own;
             }
@@ -679,6 +781,9 @@ struct EquilibriumSteps<'a> {
 impl Stepping for EquilibriumSteps<'_> {
     type End = Stop;
 
+    // A shorter step is within the rounding of an equilibrium.
+    const SHORTEST: f64 = ROUNDING;
+
     fn step(&mut self) -> (&mut f64, f64) {
         (&mut self.step, self.of.settings.step)
     }
@@ -761,7 +866,7 @@ impl EquilibriumSteps<'_> {
         let mut behind = None;
         for (zero, mut what) in zeros {
             match &mut what {
-                EquilibriumBifurcation::Hopf { frequency } => {
+                EquilibriumBifurcation::Hopf { frequency } if *frequency == 0.0 => {
                     *frequency = zero.solution.pair().map_or(f64::NAN, |pair| pair.im);
                 }
                 EquilibriumBifurcation::Boundary {

@@ -184,7 +184,7 @@ pub fn continue_special_equilibrium<Kind>(
             let least = values.min_by(|a, b| a.1.total_cmp(&b.1));
             least.map(|(number, _)| Condition::Guard(number))
         }
-        EquilibriumBifurcation::BranchPoint => None,
+        EquilibriumBifurcation::BranchPoint | EquilibriumBifurcation::Unresolved { .. } => None,
     };
     let condition = condition.ok_or(not_found.clone())?;
     let largest = sizes.amax();

@@ -2,6 +2,7 @@
 //! their phases.
 
 mod both_ways;
+mod crossings;
 mod curve;
 mod ends;
 mod equilibrium;
@@ -149,6 +150,14 @@ pub enum CycleBifurcation {
     },
     /// An end of the branch: [`Stop::TwoFold`]. It begins a curve in two parameters.
     TwoFold,
+    /// The number of multipliers outside the unit circle changes, and no bifurcation was resolved
+    /// that explains it.
+    Unresolved {
+        /// Their number before it.
+        before: usize,
+        /// Their number after it.
+        after: usize,
+    },
 }
 
 impl fmt::Display for CycleBifurcation {
@@ -164,6 +173,7 @@ impl fmt::Display for CycleBifurcation {
                 _ => "heteroclinic",
             }),
             CycleBifurcation::TwoFold => f.write_str("two-fold"),
+            CycleBifurcation::Unresolved { .. } => f.write_str("unresolved crossing"),
         }
     }
 }
@@ -279,6 +289,10 @@ pub struct Branch {
     pub special: Vec<SpecialPoint>,
     /// Reason for the end of the branch.
     pub stop: Stop,
+    /// Dimension of the family of orbits at each value of which the nearest to that before is on
+    /// the branch; 0 where orbits are isolated.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub family: usize,
 }
 
 /// Follows the periodic orbit near `x`, with a period near `period`, from its parameter upwards or
@@ -293,7 +307,9 @@ pub struct Branch {
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a test function
 /// changes sign, its zero is located: a function of the multipliers (Govaerts 2000), or the margin
 /// to a change of the phases ([`SequenceChange`]). The branch goes on with the phases behind the
-/// change. At a nonsmooth fold it turns back there.
+/// change. At a nonsmooth fold it turns back there. Where the special orbits between two orbits do
+/// not explain the numbers of their multipliers outside the unit circle, those that test functions
+/// hide are searched for, and [`CycleBifurcation::Unresolved`] tells that none was found.
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;

@@ -1,7 +1,7 @@
 //! The loop of every continuation: predictor–corrector steps along a tangent, whose length follows
 //! the corrector (Allgower & Georg 2003, Ch. 6).
 
-/// Shortest step. Chosen: behind it a branch that goes on could be followed with ever shorter
+/// Shortest step of orbits. Chosen: behind it a branch that goes on could be followed with ever shorter
 /// steps, each of which costs as much as a long one.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
@@ -30,6 +30,9 @@ pub(super) enum Outcome<End> {
 pub(super) trait Stepping {
     /// The reason for its end.
     type End;
+
+    /// Shortest step.
+    const SHORTEST: f64 = SHORTEST_STEP;
 
     /// Length of the next step, and that of the longest one.
     fn step(&mut self) -> (&mut f64, f64);
@@ -63,7 +66,7 @@ pub(super) fn follow<S: Stepping>(steps: &mut S) -> S::End {
             Outcome::Elsewhere => {}
             Outcome::Shortened(length) => {
                 *steps.step().0 = length;
-                if length < SHORTEST_STEP {
+                if length < S::SHORTEST {
                     return steps.name_end();
                 }
             }

@@ -23,6 +23,19 @@ pub(super) const RESOLUTION: f64 = 1e-11;
 /// factor e.
 const LONGEST_OF_EXTENT: f64 = 0.1;
 
+/// An orbit at a fold, and the direction in which its branch passes that. Along it, the parameter
+/// is determined; in a family, it is undetermined which orbit is meant. `row` is the parameter's.
+fn at_fold(shooting: &Shooting<'_>, first: &Cycle, row: &Vector) -> Option<(Cycle, Vector)> {
+    if first.family == 0 {
+        return None;
+    }
+    let least = first.jacobian.with_row(row).least_determined()?;
+    let (_, along) = least.into_iter().next()?;
+    let value = along.dot(&first.outline.unknowns());
+    let on_branch = shooting.solve(&first.outline, Some((&along, value)))?;
+    (on_branch.family == 0).then_some((on_branch, along))
+}
+
 /// The continuation of a branch.
 pub(in crate::analysis) struct Continuation<'a> {
     pub(super) shooting: Shooting<'a>,
@@ -88,6 +101,8 @@ impl<'a> Continuation<'a> {
             t: start.t,
             span: period,
         })?;
+        let fold = at_fold(&shooting, &first, &row);
+        let (first, row) = fold.unwrap_or((first, row));
         let shooting = Shooting {
             family: first.family,
             extent: first.extent,
@@ -165,6 +180,7 @@ impl<'a> Continuation<'a> {
 
     pub fn into_branch(self, stop: Stop) -> Branch {
         Branch {
+            family: self.branch.first.family,
             points: self.branch.points,
             special: self.branch.special,
             stop,

@@ -1,5 +1,6 @@
 //! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
+use super::crossings::{Crossed, Crossing, Eigenvalue, MOST_HALVINGS, OnLine, Spectra, Spectrum};
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, critical, parameter_of};
@@ -8,7 +9,57 @@ use crate::analysis::cycle::{
     Cycle, LocatedZero, Path, SAFETY, Shooting, SolutionFunction, with_last_digits,
 };
 use crate::analysis::lagrange::weights;
+use crate::analysis::multipliers::{eigenvalues, uncertainties};
+use crate::analysis::stability::NEUTRAL_DISTANCE;
 use crate::dynamics::Vector;
+use crate::math::{self, modulus};
+
+/// The orbits on a line of a branch, with their multipliers.
+struct Multipliers<'l, 'a> {
+    continuation: &'l Continuation<'a>,
+    line: &'l TangentLine,
+}
+
+impl Spectra for Multipliers<'_, '_> {
+    type Solution = Cycle;
+
+    fn solution_on(&self, place: f64) -> Option<Cycle> {
+        self.line.on(&self.continuation.shooting, place)
+    }
+
+    /// The multipliers, where the flow map has a derivative. One that is as near to the unit circle
+    /// as [`crate::analysis::Stability`] says is neutral.
+    fn spectrum(&self, cycle: &Cycle) -> Option<Spectrum> {
+        let of = critical(cycle, &self.continuation.shooting)?;
+        let eigenvalue = |value| Eigenvalue {
+            value,
+            beyond: modulus(value) - 1.0,
+            uncertainty: NEUTRAL_DISTANCE,
+        };
+        Some(Spectrum(of.others.into_iter().map(eigenvalue).collect()))
+    }
+
+    /// The multipliers with their uncertainties by half the steps.
+    fn known_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
+        let mut spectrum = self.spectrum(cycle)?;
+        let finer = self.line.on(&self.continuation.shooting.finer(), place)?;
+        let values: Vec<_> = spectrum.0.iter().map(|one| one.value).collect();
+        let (others, largest) = (eigenvalues(&finer.monodromy), cycle.monodromy.amax());
+        let known = uncertainties(&values, others, largest);
+        for (one, known) in spectrum.0.iter_mut().zip(known) {
+            one.uncertainty = known.max(NEUTRAL_DISTANCE);
+        }
+        Some(spectrum)
+    }
+
+    fn locate(
+        &self,
+        ends: [(f64, f64); 2],
+        function: &SolutionFunction<'_>,
+    ) -> Option<LocatedZero> {
+        self.continuation.zero(self.line, ends, function)
+    }
+}
 
 impl Continuation<'_> {
     /// Continues to an orbit on the line, and records the special orbits before it, by their
@@ -62,10 +113,40 @@ impl Continuation<'_> {
         // Beyond a flip of the half, the orbits are those before it, begun at the other half.
         let end = flip.as_ref().map_or(&next, |flip| &flip.solution);
         let place_of_end = line.place(end);
+        let multipliers = Multipliers {
+            continuation: self,
+            line,
+        };
+        let spectra = [&self.branch.last, end].map(|one| multipliers.spectrum(one));
+        let earlier = match &spectra {
+            [Some(last), Some(next)] if !is_undetermined => {
+                multipliers.before_neutral(length, [last, next])
+            }
+            _ => None,
+        };
+        let [own, spectrum] = spectra;
+        let ((begins, begin), own) = match &earlier {
+            Some((s, cycle)) => ((*s, cycle), multipliers.spectrum(cycle)),
+            None => ((0.0, &self.branch.last), own),
+        };
+        let spectra = [own, spectrum];
+        // Those between there and the last orbit were recorded in the step before.
+        let special = self.branch.special.iter();
+        let recorded = special
+            .filter(|one| earlier.is_some() && one.behind + 1 == self.branch.points.len())
+            .filter_map(|one| crossing_of(&one.what));
+        let recorded: Vec<Crossing> = recorded.collect();
+        let mut located: Vec<(f64, Crossing)> = recorded.iter().map(|one| (0.0, *one)).collect();
         for (kind, function) in functions.into_iter().enumerate().skip(first) {
             let Some(b) = function(end) else {
                 continue;
             };
+            let crossing = [Crossing::Positive, Crossing::Positive, Crossing::Negative];
+            let crossing = crossing.get(kind).copied().unwrap_or(Crossing::Pair(0));
+            let is_recorded = recorded.iter().any(|one| one.is_alike(crossing));
+            if is_recorded || kind > 1 && are_neutral(&spectra, crossing) {
+                continue;
+            }
             let at = |begin: f64, function: &SolutionFunction<'_>| {
                 Some((begin, function(&line.on(&shooting, begin)?)?))
             };
@@ -73,10 +154,11 @@ impl Continuation<'_> {
                 0 if is_undetermined => Some((0.0, 2.0 * chord - b)),
                 // The determinant has its simple zero at the meeting, too.
                 1 if is_undetermined => at(0.5 * length, &border),
-                _ => match function(&self.branch.last) {
+                0 | 1 if earlier.is_none() => match function(&self.branch.last) {
                     Some(0.0) => at(-BEFORE * length, function),
                     value => value.map(|a| (0.0, a)),
                 },
+                _ => function(begin).map(|a| (begins, a)),
             };
             let Some((begin, a)) = begin else {
                 continue;
@@ -101,19 +183,46 @@ impl Continuation<'_> {
                 from_last.max(off(&next))
             };
             let is_resolved = zero.uncertainty < farthest;
-            if (kind == 0 && !is_resolved) || (kind < 2 && is_of_change(&zero)) {
-                continue;
-            }
             let what = match kind {
                 0 => CycleBifurcation::Fold,
                 1 => CycleBifurcation::BranchPoint,
                 2 => CycleBifurcation::Flip,
                 _ => match of(&zero.solution) {
-                    Some(of) => CycleBifurcation::NeimarkSacker { angle: of.angle },
-                    None => continue,
+                    // Two real ones that meet at -1 are a pair to rounding.
+                    Some(of) if math::sin(of.angle) > NEUTRAL_DISTANCE => {
+                        CycleBifurcation::NeimarkSacker { angle: of.angle }
+                    }
+                    _ => continue,
                 },
             };
+            let crossing = match crossing {
+                Crossing::Pair(_) => Crossing::Pair(if a < b { 2 } else { -2 }),
+                real => real,
+            };
+            located.push((zero.s, crossing));
+            if (kind == 0 && !is_resolved) || (kind < 2 && is_of_change(&zero)) {
+                continue;
+            }
             zeros.push((zero, what));
+        }
+        if let [Some(a), Some(b)] = &spectra
+            && flip.is_none()
+            && !is_undetermined
+            && !a.explains(b, &located)
+            && let Some(a) = multipliers.known_spectrum(begins, begin)
+            && let Some(b) = multipliers.known_spectrum(length, &next)
+        {
+            // Test functions of multipliers that remain neutral have no zeros. Those of folds and
+            // branch points are none of multipliers.
+            let is_neutral = |crossing| {
+                let is_of_multipliers = crossing != Crossing::Positive;
+                is_of_multipliers && a.has_neutral(crossing) && b.has_neutral(crossing)
+            };
+            located.retain(|(_, crossing)| !is_neutral(*crossing));
+            zeros.retain(|(_, what)| !crossing_of(what).is_some_and(is_neutral));
+            let ends = [&(begins, begin, a), &(length, &next, b)];
+            let hidden = multipliers.hidden(ends, &located, MOST_HALVINGS);
+            zeros.extend(hidden.into_iter().map(|one| named(one, ends)));
         }
         zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
         let index = |kind: &CycleBifurcation| zeros.iter().position(|(_, what)| what == kind);
@@ -385,6 +494,53 @@ impl Continuation<'_> {
         let of_rounding = (self.branch.units.width, self.branch.last.steps);
         with_last_digits((parameter, uncertainty), step, of_rounding)
     }
+}
+
+/// How multipliers cross the unit circle at a special orbit.
+fn crossing_of(what: &CycleBifurcation) -> Option<Crossing> {
+    match what {
+        CycleBifurcation::Fold | CycleBifurcation::BranchPoint => Some(Crossing::Positive),
+        CycleBifurcation::Flip => Some(Crossing::Negative),
+        CycleBifurcation::NeimarkSacker { .. } => Some(Crossing::Pair(0)),
+        _ => None,
+    }
+}
+
+/// Whether a multiplier that would cross like this is neutral at both ends of a step.
+fn are_neutral(spectra: &[Option<Spectrum>; 2], crossing: Crossing) -> bool {
+    let mut spectra = spectra.iter().flatten();
+    spectra.all(|one| one.has_neutral(crossing))
+}
+
+/// The special orbit at which multipliers cross between two orbits.
+fn named(
+    Crossed {
+        at,
+        crossing,
+        value,
+    }: Crossed<Cycle>,
+    [a, b]: [&OnLine<'_, Cycle>; 2],
+) -> (LocatedZero, CycleBifurcation) {
+    let Some(at) = at else {
+        let [from, to] = [a, b].map(|one| parameter_of(one.1));
+        let somewhere = LocatedZero {
+            s: 0.5 * (a.0 + b.0),
+            parameter: 0.5 * (from + to),
+            solution: b.1.clone(),
+            uncertainty: 0.5 * (to - from).abs(),
+        };
+        let [before, after] = [a, b].map(|one| one.2.unstable());
+        return (somewhere, CycleBifurcation::Unresolved { before, after });
+    };
+    let what = match crossing {
+        // The branch goes on beyond it: it would turn at a fold.
+        Crossing::Positive => CycleBifurcation::BranchPoint,
+        Crossing::Negative => CycleBifurcation::Flip,
+        Crossing::Pair(_) => CycleBifurcation::NeimarkSacker {
+            angle: math::atan2(value.im.abs(), value.re),
+        },
+    };
+    (at, what)
 }
 
 /// The place where a straight line through two values is zero.

@@ -125,7 +125,9 @@ impl CurveKind {
             CycleBifurcation::Flip => CurveKind::Flip,
             CycleBifurcation::NeimarkSacker { .. } => CurveKind::Torus,
             CycleBifurcation::Sequence(change) => CurveKind::Change(change.bifurcation),
-            CycleBifurcation::Homoclinic { .. } | CycleBifurcation::TwoFold => return None,
+            CycleBifurcation::Homoclinic { .. }
+            | CycleBifurcation::TwoFold
+            | CycleBifurcation::Unresolved { .. } => return None,
         })
     }
 
