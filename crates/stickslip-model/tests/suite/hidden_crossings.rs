@@ -8,7 +8,7 @@ use stickslip::analysis::{
 };
 use stickslip_model::study::{Along, EquilibriaOfBranch};
 
-use crate::run::{branch_through, options, orbit, system};
+use crate::run::{branch_through, options, orbit, system, with};
 
 /// A map of states, as jumps once in a unit of time.
 fn map(states: &[&str], set: &str) -> String {
@@ -26,12 +26,12 @@ fn map(states: &[&str], set: &str) -> String {
     )
 }
 
-/// Names of the special orbits on the branch of the fixed point 0, from `p = -0.3` to 0.3. All are
-/// at `p = 0`.
-fn names_at_zero(text: &str) -> Vec<String> {
-    let (system, options) = (system(text), options("taylor"));
+/// Names of the special orbits on the branch of the fixed point 0, for `p` between `-width` and
+/// `width`. All are at `p = 0`.
+fn names_at_zero(text: &str, width: f64) -> Vec<String> {
+    let (system, options) = (with(text, &[("p", -0.3 * width)]), options("taylor"));
     let orbit = orbit(&system, &options);
-    let branch = branch_through(&system, &orbit, ("p", -0.3, 0.3), 0.02, &options);
+    let branch = branch_through(&system, &orbit, ("p", -width, width), 0.02, &options);
     let name = |at: &SpecialPoint| {
         assert!(
             at.parameter.abs() <= at.uncertainty + 1e-12 && at.uncertainty < 1e-9,
@@ -120,7 +120,19 @@ fn bifurcations_at_once_and_beside_neutral_multipliers_are_found() {
         ),
     ];
     for (text, expected) in cases {
-        assert_eq!(names_at_zero(&text), expected, "{text}");
+        assert_eq!(names_at_zero(&text, 0.3), expected, "{text}");
+    }
+    // All multipliers there are within 1e-5 of the unit circle.
+    for (text, expected) in [
+        (map(&["x"], &flip("x")), "flip"),
+        (
+            map(&["x", "y"], &torus(["x", "y"], third)),
+            "Neimark-Sacker",
+        ),
+    ] {
+        for width in [1e-5, 3e-5] {
+            assert_eq!(names_at_zero(&text, width), [expected], "{text} {width:e}");
+        }
     }
 }
 

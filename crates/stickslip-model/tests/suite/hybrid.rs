@@ -667,14 +667,25 @@ fn a_driven_system_at_rest_is_followed_through_its_flip() {
     else {
         panic!("{:?}", moving.stops);
     };
-    // Next to the flip the run has not quite come to rest.
-    let decaying = branch(&with(text, &[("e", 0.1)]), along, &options);
-    assert_eq!(decaying.special[0].what, CycleBifurcation::BranchPoint);
-    let decaying = (
-        decaying.special[0].parameter,
-        decaying.special[0].uncertainty,
+    // Next to the flip the run has not quite come to rest. At twice the period, the branch at rest
+    // meets the one that moves.
+    let slow = with(text, &[("e", 0.1)]);
+    let through = |periods: u32| {
+        let of = PeriodicSearch {
+            periods: Some(periods),
+            ..SEARCH
+        };
+        let orbit = orbit_from(&slow, 0.0, &of, &options);
+        let branch = branch_through(&slow, &orbit, along, 0.02, &options);
+        let at = &branch.special[0];
+        (at.what.clone(), (at.parameter, at.uncertainty))
+    };
+    let [(once, flip), (twice, point)] = [1, 2].map(through);
+    assert_eq!(
+        [once, twice],
+        [CycleBifurcation::Flip, CycleBifurcation::BranchPoint]
     );
-    for (other, its) in [(parameter, uncertainty), decaying] {
+    for (other, its) in [(parameter, uncertainty), flip, point] {
         let sum = begins.uncertainty + its;
         let off = (begins.parameter - other).abs();
         assert!(off <= sum && sum < 1e-8, "{begins:?} and {other} ± {its:e}");

@@ -99,7 +99,8 @@ fn displaced(system: &dyn Dynamics, cycle: &Cycle, near: &SameWithin, side: f64)
         near.allowed(i, sizes.fold(x[i].abs(), f64::max))
     });
     // Directions in units of what counts as the same.
-    let columns = power.column_iter();
+    let columns = product(&cycle.directions(system), &power);
+    let columns = columns.column_iter();
     let directions = columns.map(|column| column.component_div(&allowed));
     let direction = directions.max_by(|a, b| a.amax().total_cmp(&b.amax()));
     let direction = direction.unwrap_or_else(|| allowed.clone());

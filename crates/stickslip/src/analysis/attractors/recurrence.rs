@@ -117,8 +117,7 @@ impl Recurrence {
 
     /// Whether the orbit still approaches a pattern or moves away from one. With some lag all of
     /// the last points are then near those before, and their distance grows or shrinks. Or the
-    /// last quarter of them repeats to the tolerance. Or some component goes one way from each
-    /// point to that a lag later, so that none comes back.
+    /// last quarter of them repeats to the tolerance.
     pub fn still_moves(&self, part: f64) -> bool {
         let near = SameWithin {
             closeness: part,
@@ -138,20 +137,9 @@ impl Recurrence {
             }
             Some(sum)
         };
-        let goes_one_way = |lag: usize, i: usize| {
-            (0..lag).all(|first| {
-                let points = self.points.range(first..).step_by(lag);
-                let values: Vec<f64> = points.map(|one| one.at.x[i]).collect();
-                let ways = values.windows(2).map(|pair| pair[1] - pair[0]);
-                let way: f64 = ways.clone().sum();
-                let is_resolved = way.abs() > self.tolerance.allowed(i, self.scale[i]);
-                is_resolved && ways.into_iter().all(|one| one * way > 0.0)
-            })
-        };
         // Each point has others a lag apart in all quarters.
         (1..=self.runs.len().min(quarter)).any(|lag| {
-            let repeats = self.runs[lag - 1] >= quarter;
-            if repeats || (0..self.scale.len()).any(|i| goes_one_way(lag, i)) {
+            if self.runs[lag - 1] >= quarter {
                 return true;
             }
             let Some(now) = mean(lag, total) else {

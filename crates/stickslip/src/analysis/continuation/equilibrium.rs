@@ -609,8 +609,15 @@ impl EquilibriumContinuation<'_> {
                     let frequency = one.value.im.abs();
                     (at, EquilibriumBifurcation::Hopf { frequency })
                 }
-                // The branch goes on beyond it: it would turn at a fold.
-                (Some(at), _) => (at, EquilibriumBifurcation::BranchPoint),
+                (Some(at), _) => {
+                    let turns = heading(begin).zip(heading(next));
+                    let turns = turns.is_some_and(|(a, b)| a * b < 0.0);
+                    let what = match turns {
+                        true => EquilibriumBifurcation::Fold,
+                        false => EquilibriumBifurcation::BranchPoint,
+                    };
+                    (at, what)
+                }
                 (None, _) => {
                     let at = LocatedZero {
                         s: 0.5 * (begins + length),

@@ -1,8 +1,8 @@
 //! The loop of every continuation: predictor–corrector steps along a tangent, whose length follows
 //! the corrector (Allgower & Georg 2003, Ch. 6).
 
-/// Shortest step of orbits. Chosen: behind it a branch that goes on could be followed with ever shorter
-/// steps, each of which costs as much as a long one.
+/// Shortest step of orbits. Chosen: behind it a branch that goes on could be followed with ever
+/// shorter steps, each of which costs as much as a long one.
 pub(super) const SHORTEST_STEP: f64 = 1e-7;
 
 /// First step of a branch, as a fraction of the longest one. Chosen: later steps grow by 1.4 each.

@@ -41,13 +41,9 @@ impl Spectra for Multipliers<'_, '_> {
 
     /// The multipliers with their uncertainties by half the steps.
     fn known_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
-        let mut spectrum = self.spectrum(cycle)?;
-        let finer = self.line.on(&self.continuation.shooting.finer(), place)?;
-        let values: Vec<_> = spectrum.0.iter().map(|one| one.value).collect();
-        let (others, largest) = (eigenvalues(&finer.monodromy), cycle.monodromy.amax());
-        let known = uncertainties(&values, others, largest);
-        for (one, known) in spectrum.0.iter_mut().zip(known) {
-            one.uncertainty = known.max(NEUTRAL_DISTANCE);
+        let mut spectrum = self.resolved_spectrum(place, cycle)?;
+        for one in &mut spectrum.0 {
+            one.uncertainty = one.uncertainty.max(NEUTRAL_DISTANCE);
         }
         Some(spectrum)
     }
@@ -58,6 +54,34 @@ impl Spectra for Multipliers<'_, '_> {
         function: &SolutionFunction<'_>,
     ) -> Option<LocatedZero> {
         self.continuation.zero(self.line, ends, function)
+    }
+}
+
+impl Multipliers<'_, '_> {
+    /// The multipliers, with their uncertainties by half the steps alone.
+    fn resolved_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
+        let mut spectrum = self.spectrum(cycle)?;
+        let finer = self.line.on(&self.continuation.shooting.finer(), place)?;
+        let values: Vec<_> = spectrum.0.iter().map(|one| one.value).collect();
+        let (others, largest) = (eigenvalues(&finer.monodromy), cycle.monodromy.amax());
+        let known = uncertainties(&values, others, largest);
+        for (one, known) in spectrum.0.iter_mut().zip(known) {
+            one.uncertainty = known;
+        }
+        Some(spectrum)
+    }
+
+    /// Whether a multiplier that would cross like this is neutral at both of two orbits, as far as
+    /// integration resolves it. Test functions of folds and branch points are none of multipliers.
+    fn remains_neutral(&self, orbits: [(f64, &Cycle); 2], crossing: Crossing) -> bool {
+        let is_neutral = |(place, cycle): (f64, &Cycle)| {
+            self.spectrum(cycle)
+                .is_none_or(|one| one.has_neutral(crossing))
+                && self
+                    .resolved_spectrum(place, cycle)
+                    .is_none_or(|one| one.has_neutral(crossing))
+        };
+        crossing != Crossing::Positive && orbits.into_iter().all(is_neutral)
     }
 }
 
@@ -130,6 +154,7 @@ impl Continuation<'_> {
             None => ((0.0, &self.branch.last), own),
         };
         let spectra = [own, spectrum];
+        let begin_of_step = begin;
         // Those between there and the last orbit were recorded in the step before.
         let special = self.branch.special.iter();
         let recorded = special
@@ -144,7 +169,7 @@ impl Continuation<'_> {
             let crossing = [Crossing::Positive, Crossing::Positive, Crossing::Negative];
             let crossing = crossing.get(kind).copied().unwrap_or(Crossing::Pair(0));
             let is_recorded = recorded.iter().any(|one| one.is_alike(crossing));
-            if is_recorded || kind > 1 && are_neutral(&spectra, crossing) {
+            if is_recorded {
                 continue;
             }
             let at = |begin: f64, function: &SolutionFunction<'_>| {
@@ -163,7 +188,8 @@ impl Continuation<'_> {
             let Some((begin, a)) = begin else {
                 continue;
             };
-            if a * b >= 0.0 {
+            let orbits = [(begins, begin_of_step), (place_of_end, end)];
+            if a * b >= 0.0 || multipliers.remains_neutral(orbits, crossing) {
                 continue;
             }
             let ends = [(begin, a), (place_of_end, b)];
@@ -212,12 +238,9 @@ impl Continuation<'_> {
             && let Some(a) = multipliers.known_spectrum(begins, begin)
             && let Some(b) = multipliers.known_spectrum(length, &next)
         {
-            // Test functions of multipliers that remain neutral have no zeros. Those of folds and
-            // branch points are none of multipliers.
-            let is_neutral = |crossing| {
-                let is_of_multipliers = crossing != Crossing::Positive;
-                is_of_multipliers && a.has_neutral(crossing) && b.has_neutral(crossing)
-            };
+            // Test functions of multipliers that remain neutral have no zeros.
+            let orbits = [(begins, begin), (length, &next)];
+            let is_neutral = |crossing| multipliers.remains_neutral(orbits, crossing);
             located.retain(|(_, crossing)| !is_neutral(*crossing));
             zeros.retain(|(_, what)| !crossing_of(what).is_some_and(is_neutral));
             let ends = [&(begins, begin, a), &(length, &next, b)];
@@ -504,12 +527,6 @@ fn crossing_of(what: &CycleBifurcation) -> Option<Crossing> {
         CycleBifurcation::NeimarkSacker { .. } => Some(Crossing::Pair(0)),
         _ => None,
     }
-}
-
-/// Whether a multiplier that would cross like this is neutral at both ends of a step.
-fn are_neutral(spectra: &[Option<Spectrum>; 2], crossing: Crossing) -> bool {
-    let mut spectra = spectra.iter().flatten();
-    spectra.all(|one| one.has_neutral(crossing))
 }
 
 /// The special orbit at which multipliers cross between two orbits.

@@ -28,6 +28,7 @@ pub(super) use outline::Outline;
 pub(super) use outline::SegmentEnd;
 use outline::{Cut, Segment, SegmentKind, segment_to_cut};
 pub(super) use path::{AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, with_last_digits};
+use pieces::across;
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
 pub use step_budget::StepBudget;
@@ -120,6 +121,20 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
+    /// Directions of the states, a column for each of [`Cycle::monodromy`]: the axes or, in an
+    /// autonomous system, a basis across the flow.
+    pub fn directions(&self, system: &dyn Dynamics) -> Matrix {
+        let n = self.ranges.len();
+        if self.monodromy.ncols() == n {
+            return Matrix::identity(n, n);
+        }
+        let cut = self.outline.cut.as_ref().map_or(0, |cut| cut.number);
+        let segment = &self.outline.segments[cut];
+        let velocity = system.flow(segment.mode, &segment.inside);
+        let velocity = velocity.velocity(&self.anchor);
+        across(&velocity.rows(0, n).into_owned())
+    }
+
     /// Whether the flow map has a derivative at the orbit.
     pub fn is_differentiable(&self) -> bool {
         self.monodromy.iter().all(|entry| entry.is_finite())

@@ -339,7 +339,7 @@ impl Shooting<'_> {
 
 /// An orthonormal basis of the complement of a vector, by the reflection that maps the first axis
 /// to it.
-fn across(vector: &Vector) -> Matrix {
+pub(super) fn across(vector: &Vector) -> Matrix {
     let n = vector.len();
     let mut normal = vector / vector.norm();
     normal[0] += if normal[0] < 0.0 { -1.0 } else { 1.0 };
