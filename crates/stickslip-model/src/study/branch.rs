@@ -326,12 +326,11 @@ impl<'a> Along<'a> {
         let [mut down, up] = ways;
         // The first orbit may be a special one, which both directions then find.
         let pairs = down.special.iter().zip(&up.special);
-        let begin = up.points.first().map_or(f64::NAN, |one| one.parameter);
         let same = pairs.take_while(|(one, other)| {
             let known = one.uncertainty + other.uncertainty;
-            let there = [begin, other.parameter];
-            let is_near = there.iter().all(|at| (one.parameter - at).abs() <= known);
-            is_near && one.what.to_string() == other.what.to_string()
+            let is_near = (one.parameter - other.parameter).abs() <= known;
+            let is_first = one.behind <= 1 && other.behind <= 1;
+            is_first && is_near && one.what.to_string() == other.what.to_string()
         });
         let same = same.count();
         down.special.drain(..same);
