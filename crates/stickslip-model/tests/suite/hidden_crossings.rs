@@ -38,7 +38,7 @@ fn names_at_zero(text: &str, width: f64) -> Vec<String> {
             "{text}\n{at:?}"
         );
         if let CycleBifurcation::NeimarkSacker { angle } = at.what {
-            let known = [FRAC_PI_3, 0.8_f64.atan2(0.6)];
+            let known = [FRAC_PI_3, stickslip::math::atan2(0.8, 0.6)];
             assert!(
                 known.iter().any(|one| (one - angle).abs() < 1e-9),
                 "{angle}"
