@@ -204,6 +204,43 @@ fn a_carried_oscillator_has_the_multipliers_and_exponents_of_the_free_one() {
     }
 }
 
+/// A driven ball that comes to rest once a period, and what decays beside it. The last impacts have
+/// speeds of rounding, by which a change of their times has an effect of 1e15 and more.
+const BESIDE: &str = r#"name = "Decay beside a ball"
+[states]
+h = ""
+w = ""
+z = ""
+[field]
+h = "w"
+w = "-1 + 1.2*sin(t)"
+z = "-0.7*z + sin(t)"
+[stops.table]
+gap = "h"
+acts = { w = 1 }
+restitution = 0.5
+[start]
+h = 2
+w = 0
+z = 1
+[time]
+period = "2*pi"
+end = 30
+"#;
+
+#[test]
+fn impacts_of_little_speed_annihilate_no_other_direction() {
+    for method in METHODS {
+        let system = system(BESIDE);
+        let settings = SpectrumOptions::over(60.0 * PI, 20.0 * PI).solver(options(method));
+        let start = system.start().unwrap();
+        let found = lyapunov_spectrum(system.dynamics(), (0.0, &start[..]), &settings).unwrap();
+        let values: Vec<f64> = found.exponents.iter().map(|one| one.value()).collect();
+        assert!((values[0] + 0.7).abs() < 1e-6, "{method}: {values:?}");
+        assert!(values[1..].iter().all(|one| *one == f64::NEG_INFINITY));
+    }
+}
+
 /// An oscillator with negative damping; the wall at 1 takes all of its speed and lets go at once.
 const EXCITED: &str = r#"name = "Excited oscillator at a wall"
 [states]
@@ -682,6 +719,40 @@ fn derivatives_know_when_impacts_accumulate() {
                     "{method}, {}: {found} for {wanted}",
                     names[column]
                 );
+            }
+        }
+    }
+}
+
+/// The last impacts follow each other in less than the rounding of their time.
+#[test]
+fn derivatives_know_when_impacts_accumulate_at_any_restitution() {
+    for (height, r) in [
+        (0.3, 0.3),
+        (0.3, 0.51),
+        (0.7, 0.6),
+        (0.2, 0.8),
+        (0.01, 0.95),
+    ] {
+        let text = FALLS.replace("h = 5", &format!("h = {height}"));
+        let system = with(&text, &[("r", r)]);
+        let fall = (height / 5.0_f64).sqrt();
+        let end = fall * (1.0 + r) / (1.0 - r);
+        let wanted = [2.0 * fall / ((1.0 - r) * (1.0 - r)), end / (2.0 * height)];
+        for method in METHODS {
+            let found = found(&system, &["r", "h"], &[4.0], method);
+            assert!(found.lost.is_none(), "{:?}", found.lost);
+            let landing = found.transitions.last().unwrap();
+            for (column, time) in wanted.into_iter().enumerate() {
+                let own = &found.states[0];
+                for (found, wanted) in [
+                    (landing.t[column], time),
+                    (own[(0, column)], (4.0 - end) * time),
+                    (own[(1, column)], time),
+                ] {
+                    let off = (found - wanted).abs() / wanted;
+                    assert!(off < 1e-8, "{method}, {height}, {r}: {found} for {wanted}");
+                }
             }
         }
     }

@@ -23,10 +23,17 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
     move |i, j| f64::from(u8::from(i == j)) + (after[i] - before[i]) * gradient[j] / rate
 }
 
+/// Relative rounding of a jump's matrix, some hundred units in the last place: singular values
+/// below it are zero.
+pub(crate) const MATRIX_ROUNDING: f64 = 1e-13;
+
 /// The effect of a transition on tangent vectors.
 pub(crate) struct Saltation {
     /// Saltation matrix.
     pub matrix: Matrix,
+    /// Determinant of the derivative of a map of the state, which changes no time: zero where it
+    /// annihilates a direction to rounding. It is 1 without a map.
+    pub of_map: f64,
     /// Field after the transition minus field before it; at a map of the state, minus the image of
     /// the latter.
     pub kick: Vector,
@@ -131,8 +138,13 @@ impl<'a> Tangent<'a> {
         if matrix.iter().any(|entry| !entry.is_finite()) {
             return Err(singular(at.t, &at.x));
         }
+        let size = reset.by_state.amax();
+        let sizes = (0..matrix.nrows()).fold(1.0, |all, _| all * size);
+        let of_map = reset.by_state.determinant();
+        let is_regular = of_map.abs() > MATRIX_ROUNDING * sizes;
         Ok(Saltation {
             determinant: matrix.determinant(),
+            of_map: if is_regular { of_map } else { 0.0 },
             matrix,
             kick,
             gradient: reset.gradient,
@@ -193,6 +205,7 @@ impl<'a> Tangent<'a> {
         Some(Saltation {
             matrix: Matrix::identity(n, n) + &kick * gradient.transpose() / rate,
             determinant: 1.0 + gradient.dot(&kick) / rate,
+            of_map: 1.0,
             kick,
             gradient,
         })
@@ -263,6 +276,7 @@ impl<'a> Tangent<'a> {
             matrix: Matrix::from_fn(n, n, entry(slices, in_time)),
             // det(I + u vᵀ) = 1 + v·u.
             determinant: (in_time + gradient.dot(&after)) / (in_time + gradient.dot(&before)),
+            of_map: 1.0,
             kick,
             gradient,
         }))

@@ -1,7 +1,7 @@
 //! A frame of tangent vectors along an orbit, and the sums of their growth.
 
 use super::super::instant::LastEvent;
-use super::super::tangent::{Saltation, Tangent, flatten, singular};
+use super::super::tangent::{MATRIX_ROUNDING, Saltation, Tangent, flatten, singular};
 use super::averages::Growth;
 use super::frame::Frame;
 use super::settings::SpectrumOptions;
@@ -19,10 +19,6 @@ use crate::math;
 /// length. The error of the length is the square of that: far below rounding. Any fraction from
 /// rounding to its square root would do.
 const ACROSS_BOUNDARY: f64 = 1e-12;
-
-/// Relative rounding of a jump's matrix, some hundred units in the last place: singular values
-/// below it are zero.
-const MATRIX_ROUNDING: f64 = 1e-13;
 
 /// Number of parts of steps after which the rounding of vectors is measured again. Chosen: it takes
 /// the time of a further vector.
@@ -236,24 +232,40 @@ impl<'a> Measurement<'a> {
 
 /// Whether a map of the state annihilates a direction, to rounding.
 fn is_singular(jump: &Saltation) -> bool {
-    let size = jump.matrix.amax();
-    let products = (0..jump.matrix.nrows()).fold(1.0, |all, _| all * size);
-    jump.determinant.abs() <= MATRIX_ROUNDING * products
+    jump.of_map == 0.0 || jump.determinant.abs() <= MATRIX_ROUNDING * jump.of_map.abs()
+}
+
+/// Orthonormal vectors that the map of a jump annihilates. At an impact of little speed, a change
+/// of its time has a large effect, beside which all others are rounding. It is scaled to theirs.
+fn kernel(jump: &Saltation) -> Option<Vec<Vector>> {
+    let size = jump.gradient.norm();
+    let normal = &jump.gradient / if size > 0.0 { size } else { 1.0 };
+    let along = &jump.matrix * &normal;
+    let others = &jump.matrix - &along * normal.transpose();
+    let scale = f64::min(1.0, others.amax() / along.amax());
+    let scale = if scale > 0.0 { scale } else { 1.0 };
+    let svd = (others + along * normal.transpose() * scale).svd(false, true);
+    let (values, rows) = (&svd.singular_values, svd.v_t?);
+    // A map to a state that does not move has no other values than zero.
+    let zero = MATRIX_ROUNDING * values.amax();
+    let directions = values.iter().zip(rows.row_iter());
+    let mut kernel: Vec<Vector> = Vec::new();
+    for (_, row) in directions.filter(|(value, _)| **value <= zero) {
+        let scaled = row.transpose();
+        let mut direction = &scaled + &normal * (normal.dot(&scaled) * (scale - 1.0));
+        for before in &kernel {
+            flatten(before, &mut direction);
+        }
+        kernel.push(&direction / direction.norm());
+    }
+    Some(kernel)
 }
 
 impl Measurement<'_> {
     /// Carries the frame through a map of the state that annihilates directions, such as one that
     /// sets components to constants.
     fn annihilate(&mut self, jump: &Saltation) -> Option<()> {
-        let svd = jump.matrix.clone().svd(false, true);
-        let (values, rows) = (&svd.singular_values, svd.v_t?);
-        // A map to a state that does not move has no other values than zero.
-        let zero = MATRIX_ROUNDING * values.amax();
-        let directions = values.iter().zip(rows.row_iter());
-        let kernel: Vec<Vector> = directions
-            .filter(|(value, _)| **value <= zero)
-            .map(|(_, row)| row.transpose())
-            .collect();
+        let kernel = kernel(jump)?;
         self.collapses += kernel.len();
         self.collapse(&kernel);
         self.frame.change_living(|q| *q = &jump.matrix * &*q);

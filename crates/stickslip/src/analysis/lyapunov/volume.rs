@@ -15,6 +15,10 @@ const GAUSS: [(f64, f64); 5] = [
 /// the step changes volumes.
 pub(super) fn growth(system: &dyn Dynamics, step: &Step, solution: &dyn Fn(f64) -> Vector) -> f64 {
     let length = step.t_end - step.t_start;
+    // Within the rounding of a time, the solution has no places.
+    if length == 0.0 {
+        return 0.0;
+    }
     let flow = system.flow(step.mode, &step.end());
     let mean: f64 = GAUSS
         .iter()
