@@ -6,9 +6,9 @@ use std::f64::consts::FRAC_PI_3;
 use stickslip::analysis::{
     ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, SpecialPoint,
 };
-use stickslip_model::study::{Along, EquilibriaOfBranch};
+use stickslip_model::study::{Along, EquilibriaOfBranch, PeriodicSearch};
 
-use crate::run::{branch_through, options, orbit, system, with};
+use crate::run::{SEARCH, branch_through, options, orbit, orbit_from, system, with};
 
 /// A map of states, as jumps once in a unit of time.
 fn map(states: &[&str], set: &str) -> String {
@@ -198,6 +198,53 @@ fn hopf_bifurcations_at_once_and_beside_an_undamped_mode_are_found() {
                 && frequencies.iter().zip(expected).all(is_near)
                 && found == points,
             "{other:?}: {frequencies:?} {found}"
+        );
+    }
+}
+
+/// A fold at `p = 0`. On both of its arms a pair of multipliers crosses the circle at `p = 1/2`.
+const ARMS: &str = r#"
+name = "arms"
+[time]
+period = 1
+[states]
+x = ""
+y = ""
+z = ""
+w = ""
+[parameters]
+p = 1e-13
+[field]
+x = "p - x^2"
+y = "(p - 0.5)*y - 2*z"
+z = "2*y + (p - 0.5)*z"
+w = "-w + cos(2*pi*t)"
+[start]
+x = 3.2e-7
+y = 0
+z = 0
+w = 0
+"#;
+
+#[test]
+fn both_arms_of_a_fold_at_the_start_keep_their_bifurcations() {
+    let (system, options) = (system(ARMS), options("taylor"));
+    let search = PeriodicSearch {
+        transient: Some(0.0),
+        ..SEARCH
+    };
+    let orbit = orbit_from(&system, 0.0, &search, &options);
+    let branch = branch_through(&system, &orbit, ("p", -1.0, 1.0), 0.05, &options);
+    let names: Vec<String> = branch
+        .special
+        .iter()
+        .map(|at| at.what.to_string())
+        .collect();
+    assert_eq!(names, ["Neimark-Sacker", "fold", "Neimark-Sacker"]);
+    for (at, exact) in branch.special.iter().zip([0.5, 0.0, 0.5]) {
+        assert!(
+            (at.parameter - exact).abs() <= at.uncertainty + 1e-12,
+            "{at:?}"
         );
     }
 }

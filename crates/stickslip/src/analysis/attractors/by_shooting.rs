@@ -20,10 +20,9 @@ const SQUARINGS: usize = 6;
 ///
 /// An orbit that begins on an unstable periodic orbit, or on its stable manifold, stays there. The
 /// run then continues from a state displaced along the direction that grows fastest, far enough
-/// that the two states are not the same; on the other side if that reaches no attractor. The kind
-/// is [`AttractorKind::Unstable`] where the displaced run reaches an unstable orbit, too. Orbits of
-/// families and orbits at which the flow map has no derivative are returned as they are, and so are
-/// other motions.
+/// that the two states are not the same. Where that reaches no attractor, the other side is tried.
+/// The kind is [`AttractorKind::Unstable`] where the displaced run reaches an unstable orbit, too.
+/// Orbits of families are returned as they are, and those at which the flow map has no derivative.
 ///
 /// ```
 /// use std::f64::consts::TAU;
@@ -85,8 +84,8 @@ pub fn attractor_by_shooting<Kind>(
     })
 }
 
-/// The state in the middle of the segment where an orbit is cut, displaced along the direction that
-/// the flow map stretches most, to one side or the other.
+/// The state in the middle of the segment where an orbit is cut, displaced to one side or the
+/// other. The direction is that which the flow map stretches most.
 fn displaced(system: &dyn Dynamics, cycle: &Cycle, near: &SameWithin, side: f64) -> Moment {
     let mut power = cycle.monodromy.clone();
     for _ in 0..SQUARINGS {

@@ -5,7 +5,7 @@ use super::{ContinuationSettings, CurveStop};
 
 /// A special solution on a curve.
 pub(super) trait SpecialOnCurve {
-    /// Its kind.
+    /// The kind.
     type What: PartialEq;
 
     /// The kind, both parameters and their uncertainties.
@@ -47,7 +47,7 @@ pub(super) trait FollowedCurve {
 
     fn settings(&self) -> &ContinuationSettings;
 
-    /// Where it begins in the direction of a sign.
+    /// The solution at which it begins in the direction of a sign.
     fn begin(&self, first: &Self::First, sign: f64) -> Option<Self::At>;
 
     /// The solution behind a step, with what is told of it and the iterations that it took.

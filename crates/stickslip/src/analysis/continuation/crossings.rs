@@ -4,7 +4,7 @@
 
 use nalgebra::Complex;
 
-use crate::analysis::cycle::{LocatedZero, SolutionFunction};
+use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction};
 
 /// Halvings of a step in search of what its ends do not show. Chosen: bifurcations that are nearer
 /// to each other count as one.
@@ -123,9 +123,10 @@ impl Spectrum {
     }
 }
 
-/// A place at which eigenvalues cross the border, or `None` if it is not resolved.
+/// A place at which eigenvalues cross the border; if it is not resolved, the middle of the step.
 pub(super) struct Crossed<S> {
-    pub at: Option<LocatedZero<S>>,
+    pub at: LocatedZero<S>,
+    pub is_resolved: bool,
     pub crossing: Crossing,
     /// The eigenvalue.
     pub value: Complex<f64>,
@@ -135,18 +136,12 @@ pub(super) struct Crossed<S> {
 pub(super) type OnLine<'s, S> = (f64, &'s S, Spectrum);
 
 /// The solutions on a line, with their eigenvalues.
-pub(super) trait Spectra {
-    type Solution;
-
-    /// The solution at a place.
-    fn solution_on(&self, place: f64) -> Option<Self::Solution>;
-
+pub(super) trait Spectra: Path {
     /// The eigenvalues of a solution, with the least uncertainty that they may have.
     fn spectrum(&self, solution: &Self::Solution) -> Option<Spectrum>;
 
     /// The eigenvalues of the solution at a place, with their uncertainties.
-    fn known_spectrum(&self, place: f64, solution: &Self::Solution) -> Option<Spectrum> {
-        let _ = place;
+    fn known_spectrum(&self, _place: f64, solution: &Self::Solution) -> Option<Spectrum> {
         self.spectrum(solution)
     }
 
@@ -155,7 +150,9 @@ pub(super) trait Spectra {
         &self,
         ends: [(f64, f64); 2],
         function: &SolutionFunction<'_, Self::Solution>,
-    ) -> Option<LocatedZero<Self::Solution>>;
+    ) -> Option<LocatedZero<Self::Solution>> {
+        self.zero(ends, function)
+    }
 
     /// A solution before the last one with as many neutral eigenvalues as one a step farther, if
     /// the last one has more of them: an eigenvalue crosses the border there.
@@ -171,7 +168,7 @@ pub(super) trait Spectra {
             return None;
         }
         BEFORE.into_iter().find_map(|part| {
-            let solution = self.solution_on(-part * length)?;
+            let solution = self.on(-part * length)?;
             let has_as_many = self.spectrum(&solution)?.neutral().len() == wanted;
             has_as_many.then_some((-part * length, solution))
         })
@@ -195,7 +192,7 @@ pub(super) trait Spectra {
         }
         // They cross in both directions.
         let middle = 0.5 * (a.0 + b.0);
-        let solution = (halvings > 0).then(|| self.solution_on(middle)).flatten();
+        let solution = (halvings > 0).then(|| self.on(middle)).flatten();
         let Some(solution) = &solution else {
             return Vec::new();
         };
@@ -240,16 +237,29 @@ pub(super) trait Spectra {
                 false => Crossing::Pair(2 * sign),
             };
             number += if there.is_real() { 1 } else { 2 };
+            let is_resolved = at.is_some();
+            let at = at.unwrap_or_else(|| {
+                let [from, to] = [a, b].map(|one| self.parameter(one.1));
+                LocatedZero {
+                    s: 0.5 * (a.0 + b.0),
+                    parameter: 0.5 * (from + to),
+                    solution: b.1.clone(),
+                    uncertainty: 0.5 * (to - from).abs(),
+                }
+            });
             found.push(Crossed {
                 at,
+                is_resolved,
                 crossing,
                 value: there.value,
             });
         }
         // Each located one is the nearest of its kind.
         for (s, crossing) in located {
-            let place = |one: &Crossed<Self::Solution>| one.at.as_ref().map(|at| at.s);
-            let off = |one| place(one).map_or(f64::INFINITY, |place: f64| (place - s).abs());
+            let off = |one: &Crossed<Self::Solution>| match one.is_resolved {
+                true => (one.at.s - s).abs(),
+                false => f64::INFINITY,
+            };
             let alike = found.iter().enumerate();
             let alike = alike.filter(|(_, one)| one.crossing.is_alike(*crossing));
             if let Some((k, _)) = alike.min_by(|a, b| off(a.1).total_cmp(&off(b.1))) {

@@ -291,7 +291,6 @@ pub struct Branch {
     pub stop: Stop,
     /// Dimension of the family of orbits at each value of which the nearest to that before is on
     /// the branch; 0 where orbits are isolated.
-    #[cfg_attr(feature = "serde", serde(default))]
     pub family: usize,
 }
 
@@ -307,9 +306,9 @@ pub struct Branch {
 /// plane across the branch's tangent (Keller 1977; Thota & Dankowicz 2008). Where a test function
 /// changes sign, its zero is located: a function of the multipliers (Govaerts 2000), or the margin
 /// to a change of the phases ([`SequenceChange`]). The branch goes on with the phases behind the
-/// change. At a nonsmooth fold it turns back there. Where the special orbits between two orbits do
-/// not explain the numbers of their multipliers outside the unit circle, those that test functions
-/// hide are searched for, and [`CycleBifurcation::Unresolved`] tells that none was found.
+/// change. At a nonsmooth fold it turns back there. The special orbits between two orbits must
+/// explain the numbers of their multipliers outside the unit circle. Otherwise those that test
+/// functions hide are searched for. [`CycleBifurcation::Unresolved`] tells that none was found.
 ///
 /// # Errors
 /// Those of [`crate::Integration::new`]; [`Error::Option`] for a setting that is not allowed;

@@ -41,9 +41,9 @@ pub(super) const LEAST_COSINE: f64 = 0.9;
 impl Units {
     /// The units at the first orbit of a branch. A state has the size of its range over the orbit,
     /// or of its change over the parameter's range by its rate along the branch, if that is more.
-    /// A state of which both are within the tolerances has the size of the orbit; so has one that
-    /// does not move where shorter steps of integration change its rate: beside a branch point,
-    /// that is rounding.
+    /// A state of which both are within the tolerances has the size of the orbit. So has one at
+    /// rest whose rate changes with shorter steps of integration: beside a branch point, that is
+    /// rounding.
     pub fn at(shooting: &Shooting<'_>, first: &Cycle, width: f64) -> Self {
         // Largest change of a rate by shorter steps. Chosen: of rounding, it is about 1.
         const CONFIRMED: f64 = 0.5;

@@ -20,13 +20,23 @@ struct Multipliers<'l, 'a> {
     line: &'l TangentLine,
 }
 
-impl Spectra for Multipliers<'_, '_> {
+impl Path for Multipliers<'_, '_> {
     type Solution = Cycle;
 
-    fn solution_on(&self, place: f64) -> Option<Cycle> {
+    fn on(&self, place: f64) -> Option<Cycle> {
         self.line.on(&self.continuation.shooting, place)
     }
 
+    fn finer(&self, place: f64) -> Option<Cycle> {
+        self.line.on(&self.continuation.shooting.finer(), place)
+    }
+
+    fn parameter(&self, cycle: &Cycle) -> f64 {
+        parameter_of(cycle)
+    }
+}
+
+impl Spectra for Multipliers<'_, '_> {
     /// The multipliers, where the flow map has a derivative. One that is as near to the unit circle
     /// as [`crate::analysis::Stability`] says is neutral.
     fn spectrum(&self, cycle: &Cycle) -> Option<Spectrum> {
@@ -61,7 +71,7 @@ impl Multipliers<'_, '_> {
     /// The multipliers, with their uncertainties by half the steps alone.
     fn resolved_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
         let mut spectrum = self.spectrum(cycle)?;
-        let finer = self.line.on(&self.continuation.shooting.finer(), place)?;
+        let finer = self.finer(place)?;
         let values: Vec<_> = spectrum.0.iter().map(|one| one.value).collect();
         let (others, largest) = (eigenvalues(&finer.monodromy), cycle.monodromy.amax());
         let known = uncertainties(&values, others, largest);
@@ -245,7 +255,9 @@ impl Continuation<'_> {
             zeros.retain(|(_, what)| !crossing_of(what).is_some_and(is_neutral));
             let ends = [&(begins, begin, a), &(length, &next, b)];
             let hidden = multipliers.hidden(ends, &located, MOST_HALVINGS);
-            zeros.extend(hidden.into_iter().map(|one| named(one, ends)));
+            let turns = [begin, &next].map(heading);
+            let turns = matches!(turns, [Some(a), Some(b)] if a * b < 0.0);
+            zeros.extend(hidden.into_iter().map(|one| named(one, ends, turns)));
         }
         zeros.sort_by(|a, b| a.0.s.total_cmp(&b.0.s));
         let index = |kind: &CycleBifurcation| zeros.iter().position(|(_, what)| what == kind);
@@ -531,33 +543,21 @@ fn crossing_of(what: &CycleBifurcation) -> Option<Crossing> {
 
 /// The special orbit at which multipliers cross between two orbits.
 fn named(
-    Crossed {
-        at,
-        crossing,
-        value,
-    }: Crossed<Cycle>,
-    [a, b]: [&OnLine<'_, Cycle>; 2],
+    one: Crossed<Cycle>,
+    ends: [&OnLine<'_, Cycle>; 2],
+    turns: bool,
 ) -> (LocatedZero, CycleBifurcation) {
-    let Some(at) = at else {
-        let [from, to] = [a, b].map(|one| parameter_of(one.1));
-        let somewhere = LocatedZero {
-            s: 0.5 * (a.0 + b.0),
-            parameter: 0.5 * (from + to),
-            solution: b.1.clone(),
-            uncertainty: 0.5 * (to - from).abs(),
-        };
-        let [before, after] = [a, b].map(|one| one.2.unstable());
-        return (somewhere, CycleBifurcation::Unresolved { before, after });
-    };
-    let what = match crossing {
-        // The branch goes on beyond it: it would turn at a fold.
+    let [before, after] = ends.map(|end| end.2.unstable());
+    let what = match one.crossing {
+        _ if !one.is_resolved => CycleBifurcation::Unresolved { before, after },
+        Crossing::Positive if turns => CycleBifurcation::Fold,
         Crossing::Positive => CycleBifurcation::BranchPoint,
         Crossing::Negative => CycleBifurcation::Flip,
         Crossing::Pair(_) => CycleBifurcation::NeimarkSacker {
-            angle: math::atan2(value.im.abs(), value.re),
+            angle: math::atan2(one.value.im.abs(), one.value.re),
         },
     };
-    (at, what)
+    (one.at, what)
 }
 
 /// The place where a straight line through two values is zero.

@@ -59,10 +59,10 @@ impl EndPeriod {
         }
     }
 
-    /// The parameter at the end of the branch of an orbit, and its uncertainty: the difference of
-    /// both limits, with the error of integration. `None` where the limits differ by more than a
-    /// fraction of the range. Next to a saddle whose orbits oscillate, they differ by about the
-    /// distance.
+    /// The parameter at the end of the branch of an orbit, and its uncertainty. That is the
+    /// difference of both limits, with the error of integration. `None` where the limits differ by
+    /// more than a fraction of the range. Next to a saddle whose orbits oscillate, they differ by
+    /// about the distance.
     fn place(
         self,
         (shooting, units): (&Shooting<'_>, &Units),
