@@ -167,8 +167,8 @@ x = 0
 v = 0
 "#;
 
-/// At twice its own frequency the pendulum hangs stably up to `p = 2 c`, to first order, where its
-/// exponents are `-c/2 +- p/4`. Beyond, it swings.
+/// The pendulum, driven at twice its own frequency, hangs stably up to `p = 2 c`, to first order.
+/// Its exponents are `-c/2 +- p/4`. Beyond, it swings.
 #[test]
 fn an_unstable_orbit_is_no_attractor_of_a_map() {
     let top = folder();

@@ -52,6 +52,30 @@ pub struct WholeBranch {
     pub family: usize,
 }
 
+/// A special solution on one of two directions of a branch from its first one.
+pub(super) struct BesideFirst {
+    pub name: String,
+    pub parameter: f64,
+    pub uncertainty: f64,
+    /// Number of solutions before it, with the first.
+    pub behind: usize,
+}
+
+/// Number of special solutions that both directions of a branch find in their first steps: the
+/// first solution may be one.
+pub(super) fn found_twice<T>([down, up]: [&[T]; 2], of: impl Fn(&T) -> BesideFirst) -> usize {
+    let pairs = down
+        .iter()
+        .zip(up)
+        .map(|(one, other)| [one, other].map(&of));
+    let same = pairs.take_while(|[one, other]| {
+        let known = one.uncertainty + other.uncertainty;
+        let is_near = (one.parameter - other.parameter).abs() <= known;
+        one.behind.max(other.behind) <= 1 && is_near && one.name == other.name
+    });
+    same.count()
+}
+
 /// A branch that begins at a special orbit of another one.
 pub struct SideBranch {
     /// Number of the branch on which it begins: 0 for the first, then those of
@@ -324,16 +348,13 @@ impl<'a> Along<'a> {
     ) -> Result<WholeBranch, E> {
         only_once(&mut ways);
         let [mut down, up] = ways;
-        // The first orbit may be a special one, which both directions then find.
-        let pairs = down.special.iter().zip(&up.special);
-        let same = pairs.take_while(|(one, other)| {
-            let known = one.uncertainty + other.uncertainty;
-            let is_near = (one.parameter - other.parameter).abs() <= known;
-            let is_first = one.behind <= 1 && other.behind <= 1;
-            is_first && is_near && one.what.to_string() == other.what.to_string()
+        let twice = found_twice([&down.special, &up.special], |one| BesideFirst {
+            name: one.what.to_string(),
+            parameter: one.parameter,
+            uncertainty: one.uncertainty,
+            behind: one.behind,
         });
-        let same = same.count();
-        down.special.drain(..same);
+        down.special.drain(..twice);
         // Both directions contain the first orbit.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();

@@ -9,6 +9,7 @@ use stickslip::analysis::{
 use stickslip::dynamics::{DynamicsRef, Vector};
 use stickslip::{Error, Options};
 
+use super::branch::{BesideFirst, found_twice};
 use super::search::{MOTION_SEARCH_TIME, SearchError, check_time};
 use crate::file::System;
 
@@ -101,16 +102,13 @@ impl EquilibriaOfBranch {
             same.special.clear();
             same.stop = Stop::Closed;
         }
-        // The first equilibrium may be a special one, which both directions then find.
-        let pairs = down.special.iter().zip(&up.special);
-        let same = pairs.take_while(|(one, other)| {
-            let known = one.uncertainty + other.uncertainty;
-            let is_near = (one.parameter - other.parameter).abs() <= known;
-            let is_first = one.behind <= 1 && other.behind <= 1;
-            is_first && is_near && one.what.to_string() == other.what.to_string()
+        let twice = found_twice([&down.special, &up.special], |one| BesideFirst {
+            name: one.what.to_string(),
+            parameter: one.parameter,
+            uncertainty: one.uncertainty,
+            behind: one.behind,
         });
-        let same = same.count();
-        down.special.drain(..same);
+        down.special.drain(..twice);
         // Both directions contain the first equilibrium.
         let first = down.points.len().saturating_sub(1);
         let below = down.points.into_iter().skip(1).rev();

@@ -35,7 +35,7 @@ v = "speed"
 "#;
 
 /// Position and velocity in closed form, and whether the block sticks. It sticks until the spring
-/// pulls with the static friction, and slips as an oscillator about the kinetic one, until it is as
+/// pulls with the static friction. It slips as an oscillator about the kinetic one, until it is as
 /// fast as the belt again.
 fn motion(t: f64) -> ([f64; 2], bool) {
     let reach = STATIC - KINETIC;

@@ -283,3 +283,31 @@ fn a_diagram_has_no_doubled_period_before_a_flip() {
         assert!(off.abs() < 1e-5, "{off:e} at {}", point.value);
     }
 }
+
+/// A driven circle, whose phase turns by `a` in a period: a torus.
+const TORUS: &str = r#"
+name = "torus"
+[time]
+period = 1
+[states]
+x = ""
+y = ""
+[parameters]
+a = 0.44
+[field]
+x = "x - a*2*pi*y - x*(x^2 + y^2) + 0.1*cos(2*pi*t)"
+y = "y + a*2*pi*x - y*(x^2 + y^2)"
+[start]
+x = 1
+y = 0
+"#;
+
+/// Its phase drifts slowly and one way where `a` is near a fraction.
+#[test]
+fn a_torus_near_a_resonance_is_recurrent() {
+    for point in swept(&system(TORUS), "a", &[0.42, 0.44, 0.46], 3000.0).0 {
+        let kind = &point.reached.kind;
+        let is_recurrent = matches!(kind, AttractorKind::Recurrent);
+        assert!(is_recurrent, "{kind} at {}", point.value);
+    }
+}

@@ -4,16 +4,13 @@ use stickslip::analysis::LeastSquares;
 use stickslip::dynamics::Modes;
 
 use super::problem::{FitProblem, Sequence};
-use super::statistics::{FALSE_ALARMS, above_squares, runs_test};
+use super::statistics::{FALSE_ALARMS, FEWEST_IN_PHASE, above_squares, runs_test};
 use super::uncertainty::FitUncertainty;
 use super::work::FitWork;
 use super::{Fit, FitError, FittedColumn, FittedValue, Modelled, OtherMinimum, PhaseOff};
 
 /// Error of a run over its tolerance, below which signs of residuals say nothing.
 const ROUNDING: f64 = 1e3;
-
-/// Fewest values of a phase that are tested. Chosen: fewer say more of their noise than of it.
-const FEWEST_IN_PHASE: usize = 3;
 
 impl FitProblem<'_> {
     pub(super) fn result(

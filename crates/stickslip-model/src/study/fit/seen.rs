@@ -9,6 +9,7 @@ use stickslip::{Mode, Scalar, Side};
 
 use super::problem::FitProblem;
 use super::record_run::{Place, mode_at};
+use super::statistics::FEWEST_IN_PHASE;
 use super::unknowns::Kind;
 use super::{FitError, Modelled};
 use crate::file::{Observed, System};
@@ -18,9 +19,8 @@ use crate::kernel::{Combination, sides_to_check};
 /// near the end of a slip its speed is below the noise.
 const LEAST_RIGHT: f64 = 0.9;
 
-/// Fewest speeds that show modes, and fewest in a phase of the fit that has to be seen. Chosen.
-const FEWEST: usize = 8;
-const FEWEST_IN_PHASE: usize = 3;
+/// Fewest speeds that show modes. Chosen: two phases of more than a few values.
+const FEWEST: usize = 2 * (FEWEST_IN_PHASE + 1);
 
 /// Relative difference of slopes that counts as rounding.
 const SAME: f64 = 1e-9;
@@ -93,9 +93,9 @@ struct Fitted<'a> {
 
 /// How a column depends on the slip of a contact.
 enum Shows {
-    /// By this slope in each row.
+    /// Directly, by this slope in each row.
     Slip(Vec<f64>),
-    /// Its rate of change, by this slope, with the derivatives of the column by the states.
+    /// The rate of change does, by this slope; with the derivatives of the column by the states.
     Rate(f64, Vec<f64>),
 }
 
@@ -183,6 +183,9 @@ impl Fitted<'_> {
 
     /// How a column depends on the slip of a contact, if by it alone.
     fn shows(&self, contact: usize, observed: &Observed) -> Option<Shows> {
+        if observed.has_force() {
+            return None;
+        }
         let points = self.at.points.get(self.record)?;
         let rows = self.times.iter().zip(points);
         let own = rows.clone().map(|(&t, point)| {
@@ -196,24 +199,18 @@ impl Fitted<'_> {
             })
         });
         let boundary: Vec<Vec<f64>> = boundary.collect();
-        if observed.has_force() {
-            return None;
-        }
         let factors = own.iter().zip(&boundary).map(|(own, of)| factor(own, of));
         if let Some(factors) = factors.collect::<Option<Vec<f64>>>() {
             return Some(Shows::Slip(factors));
         }
         // The rate of change of a column that is linear in the states, and has no other part.
         let first = own.first()?;
-        let (begin, end) = (*self.times.first()?, *self.times.last()?);
+        let begin = *self.times.first()?;
         let x: Vec<f64> = points.first()?.iter().copied().collect();
         let at = |t: f64| observed.value(self.modes(begin), t, &x);
-        let middle = 0.5 * (begin + end);
-        let is_moved = |t: f64| (at(t) - at(begin)).abs() > SAME * at(begin).abs();
-        if own.iter().any(|own| factor(own, first) != Some(1.0))
-            || is_moved(middle)
-            || is_moved(end)
-        {
+        let is_moved = |t: &f64| (at(*t) - at(begin)).abs() > SAME * at(begin).abs();
+        let is_bent = own.iter().any(|own| factor(own, first) != Some(1.0));
+        if is_bent || self.times.iter().any(is_moved) {
             return None;
         }
         let mut slope = None;

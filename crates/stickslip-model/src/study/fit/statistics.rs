@@ -6,6 +6,9 @@ use stickslip::math;
 /// *Nonparametric Statistics*, 1956, asks for 20 in all).
 const FEWEST_SIGNS: usize = 10;
 
+/// Fewest values of a phase that are tested. Chosen: fewer say more of their noise than of it.
+pub(super) const FEWEST_IN_PHASE: usize = 3;
+
 /// Chance at which a test of residuals reports more than noise.
 pub(super) const FALSE_ALARMS: f64 = 0.01;
 
