@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use output::Artifact;
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::dynamics::RunMemory;
+use stickslip::dynamics::{Moment, RunMemory};
 
 use crate::failure::Failure;
 use crate::sweep::digest;
@@ -16,7 +16,7 @@ use stickslip_model::file::System;
 const END: &str = "end.json";
 
 /// Version of its format.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// The end of a run.
 #[derive(Debug, Serialize, Deserialize)]
@@ -30,12 +30,15 @@ pub(super) struct End {
     /// Dependencies of the run besides its start, by name: the hash of the system's text, its
     /// parameters, the options of the solver.
     depends_on: BTreeMap<String, String>,
+    /// Words for how it ended.
+    ending: String,
     /// Hash of the memory: a changed one would go on from nowhere.
     sha256: String,
-    memory: RunMemory,
+    /// From which a run goes on; none where nothing does.
+    memory: Option<RunMemory>,
 }
 
-fn hash(memory: &RunMemory) -> String {
+fn hash(memory: &Option<RunMemory>) -> String {
     // A memory that cannot be written has no hash, and none is written.
     let text = serde_json::to_string(memory).unwrap_or_default();
     digest(text.as_bytes())
@@ -76,15 +79,22 @@ fn depends_on(system: &System, options: &Options) -> BTreeMap<String, String> {
 }
 
 impl End {
-    /// The end of a run.
-    pub(super) fn of(system: &System, options: &Options, memory: RunMemory) -> Self {
+    /// The end of a run. Where nothing goes on, the file replaces that of an earlier run in the
+    /// folder: going on from there would be wrong without a word.
+    pub(super) fn of(
+        system: &System,
+        options: &Options,
+        (end, ending): (&Moment, String),
+        memory: Option<RunMemory>,
+    ) -> Self {
         let names = system.file.states.iter().map(|state| state.name.clone());
         End {
             format: FORMAT,
             system: system.file.name.clone(),
-            t: memory.t(),
-            state: names.zip(memory.x().iter().copied()).collect(),
+            t: end.t,
+            state: names.zip(end.x.iter().copied()).collect(),
             depends_on: depends_on(system, options),
+            ending,
             sha256: hash(&memory),
             memory,
         }
@@ -116,7 +126,7 @@ impl End {
         let bytes = std::fs::read(&path).map_err(|error| {
             usage(format!(
                 "--resume: {at} cannot be read: {error}; `simulate` writes it into the folder of \
-                 --out where a run reaches its end time"
+                 --out"
             ))
         })?;
         let end: End = serde_json::from_slice(&bytes)
@@ -139,7 +149,13 @@ impl End {
         };
         let mut both = names.map(|name| (name, of(&end.depends_on, name), of(&here, name)));
         match both.find(|(_, there, here)| there != here) {
-            None => Ok(end.memory),
+            None => end.memory.ok_or_else(|| {
+                usage(format!(
+                    "--resume: {at} is of a run that ended at t = {} ({}), from where none goes \
+                     on; begin with --start",
+                    end.t, end.ending
+                ))
+            }),
             Some((name, there, here)) => Err(usage(format!(
                 "--resume: {at} is the end of another run: {name} is {there} there and \
                  {here} here; \

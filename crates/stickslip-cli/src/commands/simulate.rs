@@ -20,8 +20,8 @@ use stickslip_model::file::System;
 /// Integrate an orbit: phases of slip and stick, transitions, crossings of the section
 ///
 /// Writes phases.csv, transitions.csv, steps.csv (and section.csv, if the file has a section),
-/// portrait.svg, history.svg, and end.json, from which --resume goes on. With --starts the tables
-/// are those of all orbits.
+/// portrait.svg, history.svg, and end.json, from which --resume goes on if the run reached its end.
+/// With --starts the tables are those of all orbits, and there is no end.json.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Time at the end; default as in the file
@@ -156,14 +156,15 @@ fn followed(
         Err(error) => return Err(error.clone().into()),
     };
     let lists = arguments.run.output.json;
+    let words = ending(outcome.as_ref().ok()).to_owned();
     let mut report = report(system, &recording, outcome.ok().as_ref(), lists);
     trajectory::put(system, &recording, &mut report)?;
     if let Some((variables, found)) = by.as_ref().zip(recording.derivatives.as_ref()) {
         derivatives::put(system, (variables, found), &recording, &mut report)?;
     }
-    if let Some(memory) = recording.memory.take() {
-        report.table(End::of(system, options, memory).artifact()?);
-    }
+    let end = (&recording.orbit.end, words);
+    let end = End::of(system, options, end, recording.memory.take());
+    report.table(end.artifact()?);
     if wanted.steps {
         let names = recording.quantities.0.clone();
         let steps = Table::new()

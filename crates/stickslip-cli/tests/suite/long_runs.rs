@@ -115,6 +115,43 @@ fn a_run_goes_on_from_its_end() {
         .stderr(contains("is no end of a run"));
 }
 
+/// A ball with restitution 0.5 comes to rest at 3, where no jump can go on.
+#[test]
+fn nothing_goes_on_from_the_end_of_a_run_that_failed_in_the_same_folder() {
+    let (top, _) = program(
+        r#"
+name = "ball"
+[states]
+h = ""
+w = ""
+[jumps.bounce]
+when = "h"
+direction = "falling"
+set = { w = "-w/2" }
+[field]
+h = "w"
+w = "-2"
+[start]
+h = 1
+w = 0
+"#,
+    );
+    let run = |arguments: &[&str]| {
+        let mut command = assert_cmd::Command::cargo_bin("stickslip").unwrap();
+        command
+            .current_dir(top.path())
+            .args(["simulate", "system.toml", "--no-figures"]);
+        command.args(["--out", "one"]).args(arguments).assert()
+    };
+    run(&["--until", "0.5"]).success();
+    run(&["--until", "0.9", "--resume", "one"]).success();
+    run(&["--until", "4"]).code(1);
+    run(&["--until", "4", "--resume", "one"])
+        .code(2)
+        .stderr(contains("ended at t = 3"))
+        .stderr(contains("from where none goes on"));
+}
+
 #[test]
 fn steps_too_short_for_the_end_are_refused_at_once() {
     let (_top, mut command) = program(IMPACT);
