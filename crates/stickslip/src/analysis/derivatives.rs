@@ -475,7 +475,7 @@ impl<'a> OrbitTangents<'a> {
             }
             None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
         };
-        let jump = match is_graze(&self.tangent, at, &end) {
+        let jump = match is_graze(&self.tangent, at, &end, cause) {
             true => Err(singular(at.t, &at.x)),
             false => self.tangent.passed(at, cause, &self.columns),
         };

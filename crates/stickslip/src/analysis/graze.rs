@@ -4,6 +4,7 @@
 use numerics::bisect;
 
 use super::cycle::SegmentEnd;
+use super::instant::Cause;
 use super::tangent::{Tangent, singular};
 use crate::dynamics::{Dynamics, Guard, Moment, OrbitUnderWay, Step, Transition};
 use crate::error::Error;
@@ -33,7 +34,12 @@ pub(super) fn check_step(
 
 /// Whether an orbit grazes at a transition, which `end` describes: a touch, or a zero that would be
 /// another one within the tolerance, or none.
-pub(super) fn is_graze(tangent: &Tangent<'_>, at: &Transition, end: &SegmentEnd) -> bool {
+pub(super) fn is_graze(
+    tangent: &Tangent<'_>,
+    at: &Transition,
+    end: &SegmentEnd,
+    cause: Cause,
+) -> bool {
     if at.kind == TransitionKind::Touch {
         return true;
     }
@@ -42,18 +48,24 @@ pub(super) fn is_graze(tangent: &Tangent<'_>, at: &Transition, end: &SegmentEnd)
     }
     let (system, here) = (tangent.system, at.moment());
     let flow = system.flow(at.from, &here);
-    let (gradient, rests) = match end.is_of_jump {
-        true => {
-            let reset = system.reset(at.contact, &here);
-            (reset.gradient, reset.rests)
-        }
-        false => (flow.guard_gradient(end.guard, &here).0, false),
+    let reset = end.is_of_jump.then(|| system.reset(at.contact, &here));
+    let gradient = match &reset {
+        Some(reset) => reset.gradient.clone(),
+        None => flow.guard_gradient(end.guard, &here).0,
     };
     let [_, rate, bend, _] = flow.guard_jet(end.guard, &here);
-    let size = gradient.abs().dot(&here.x.abs()) + gradient.abs().sum();
-    // Impacts that come to rest are as short, but nothing else is near them.
+    let zero = tangent.tolerance() * (gradient.abs().dot(&here.x.abs()) + gradient.abs().sum());
+    // Impacts that accumulate are as short, but each neighbour has them, too.
+    let follows_itself = reset.is_some_and(|reset| {
+        let after = Moment {
+            t: here.t,
+            x: reset.after,
+        };
+        let leaves_zero = || system.reset(at.contact, &after).value.abs() <= zero;
+        reset.rests || cause.follows == Some(at.contact) && leaves_zero()
+    });
     let turns_back = rate * bend < 0.0;
-    (turns_back || !rests) && rate * rate <= 2.0 * bend.abs() * tangent.tolerance() * size
+    (turns_back || !follows_itself) && rate * rate <= 2.0 * bend.abs() * zero
 }
 
 /// The distances of contacts from their boundaries, and the functions of jumps, that turn back from

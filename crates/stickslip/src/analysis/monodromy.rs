@@ -220,7 +220,12 @@ impl TangentMap {
         at: &Transition,
     ) -> Result<(), Error> {
         let cause = self.last.cause_of(tangent.system, at);
-        match is_graze(tangent, at, &SegmentEnd::of(tangent.system, at, cause)) {
+        match is_graze(
+            tangent,
+            at,
+            &SegmentEnd::of(tangent.system, at, cause),
+            cause,
+        ) {
             true => Err(singular(at.t, &at.x)),
             false => self.pass(tangent, at, cause),
         }
