@@ -758,6 +758,87 @@ fn derivatives_know_when_impacts_accumulate_at_any_restitution() {
     }
 }
 
+/// A ball with the fall time 1 whose bounces are a jump: the impact `n` is at
+/// `1 + 2 (r + … + r^(n - 1))`. The height of the last flights is below the tolerance.
+#[test]
+fn impacts_of_a_jump_that_accumulate_are_no_grazes() {
+    const BALL: &str = r#"name = "Ball"
+[states]
+h = ""
+w = ""
+[parameters]
+r = 0.6
+[field]
+h = "w"
+w = -10
+[jumps.bounce]
+when = "h"
+direction = "falling"
+set = { w = "-r*w" }
+[start]
+h = 5
+w = 0
+[time]
+end = 4
+"#;
+    let system = system(BALL);
+    let r: f64 = 0.6;
+    for method in METHODS {
+        let found = found(&system, &["r", "h"], &[4.0 - 1e-7], method);
+        assert!(found.lost.is_none(), "{method}: {:?}", found.lost);
+        assert!(found.transitions.len() > 30);
+        let (mut time, mut slope) = (1.0, 0.0);
+        for (n, at) in (1..).zip(&found.transitions) {
+            for (found, wanted) in [(at.at, time), (at.t[0], slope), (at.t[1], 0.1 * time)] {
+                let off = (found - wanted).abs();
+                assert!(off < 1e-7, "{method}, impact {n}: {found} for {wanted}");
+            }
+            time += 2.0 * r.powi(n);
+            slope += 2.0 * f64::from(n) * r.powi(n - 1);
+        }
+    }
+}
+
+/// An oscillator that beats against a wall: without impacts, its amplitude is the distance of the
+/// wall where `A² = (1 - w²)² + (2 z w)²`. An orbit with impacts ends there.
+#[test]
+fn a_branch_of_impacts_ends_where_its_orbit_grazes_the_stop() {
+    const BEATS: &str = r#"name = "Impact oscillator"
+[states]
+x = ""
+v = ""
+[parameters]
+A = 0.6
+w = 0.8
+z = 0.1
+[stops.wall]
+gap = "1 - x"
+acts = { v = -1 }
+restitution = 0.8
+[field]
+x = "v"
+v = "-2*z*v - x + A*cos(w*t)"
+[start]
+x = 0
+v = 0
+[time]
+end = 100
+period = "2*pi/w"
+"#;
+    for (z, method) in [(0.1, "taylor"), (0.1, "dop853"), (0.15, "taylor")] {
+        let system = with(BEATS, &[("z", z)]);
+        let branch = branch(&system, ("A", 0.3, 0.7), &options(method));
+        let exact = (0.36_f64 * 0.36 + 4.0 * z * z * 0.64).sqrt();
+        let graze = &branch.special[0];
+        assert_eq!(graze.what.to_string(), "grazing of a jump", "{method}, {z}");
+        let (off, uncertainty) = ((graze.parameter - exact).abs(), graze.uncertainty);
+        assert!(
+            off <= uncertainty && uncertainty < 1e-6,
+            "{method}, {z}: {off:e} {uncertainty:e}"
+        );
+    }
+}
+
 #[test]
 fn a_restitution_of_zero_leaves_no_speed_by_its_derivative() {
     let plastic = with(FALLS, &[("r", 0.0)]);

@@ -270,6 +270,42 @@ impl Continuation<'_> {
         })
     }
 
+    /// The change within a step that leads to no orbit, if the speed of a jump's arrival vanishes
+    /// there along the last two orbits. Behind it the jump may have no map, as at a stop that
+    /// nothing approaches.
+    pub(super) fn vanishing_arrival(&self, step: f64) -> Option<Change> {
+        let (line, [before, last]) = (
+            self.branch.line.as_ref()?,
+            [&self.branch.before, &self.branch.last],
+        );
+        if before.outline.modes() != last.outline.modes() {
+            return None;
+        }
+        let gone = -line.place(before);
+        let of_jumps = last.margins.iter();
+        let of_jumps =
+            of_jumps.filter(|margin| margin.is_of_jump && margin.kind == MarginKind::Arrival);
+        let places = of_jumps.filter_map(|margin| {
+            let before = before.margin_like(margin)?.value;
+            Some((margin.value * gone / (before - margin.value), margin))
+        });
+        let places = places.filter(|(ahead, _)| (0.0..=step).contains(ahead));
+        let (ahead, margin) = places.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let ahead = line.heading() * ahead;
+        let at = LocatedZero {
+            s: 0.0,
+            parameter: self.parameter() + ahead,
+            solution: last.clone(),
+            uncertainty: ahead.abs(),
+        };
+        Some(Change {
+            at,
+            line: line.clone(),
+            margin: margin.clone(),
+            behind: None,
+        })
+    }
+
     /// Error of integration of an orbit's parameter, where the product of the unknowns with a row
     /// has a given value.
     fn error_of_steps(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {

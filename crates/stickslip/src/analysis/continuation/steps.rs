@@ -345,8 +345,8 @@ impl<'a> Continuation<'a> {
         is_of_friction(&error).then_some(Stop::Refused(error))
     }
 
-    /// Continues to the last orbit on a line, before a place, along which the system can be
-    /// integrated.
+    /// Bisects for the last orbit on the line, before a place, over which the system can be
+    /// integrated, and ends the branch there.
     fn go_to_edge(&mut self, line: &TangentLine, step: f64, mut why: Stop) -> Stop {
         let (mut good, mut bad) = ((0.0, None), step);
         while bad - good.0 > RESOLUTION {
@@ -480,6 +480,12 @@ impl Stepping for BranchSteps<'_, '_, '_> {
 
     fn take_step(&mut self, _: f64) -> Outcome<Stop> {
         let outcome = self.continuation.advance();
+        if let Outcome::Shortened(length) = outcome
+            && length < SHORTEST_STEP
+            && let Some(change) = self.continuation.vanishing_arrival(length / SHORTER)
+        {
+            return self.continuation.pass_change(change);
+        }
         if !matches!(outcome, Outcome::Found { .. } | Outcome::Elsewhere) {
             return outcome;
         }
