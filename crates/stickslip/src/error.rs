@@ -473,12 +473,12 @@ pub enum Error {
         /// State.
         x: Point,
     },
-    /// Tangent vectors have no finite image, or one of them none but zero.
+    /// The derivative of the flow does not exist or is singular.
     #[error(
         "the derivative of the flow is singular at t = {t}, x = {x}: the orbit grazes the boundary \
             or a section there, or passes along it, or two contacts come to zero in the same \
-            instant, or the field has no derivative; change the start, the section or a parameter \
-            a little", t = readable(*t)
+            instant, or events accumulate there, or the field has no derivative; change the start, \
+            the section or a parameter a little", t = readable(*t)
     )]
     TangentSingular {
         /// Time.

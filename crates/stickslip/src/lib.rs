@@ -78,12 +78,12 @@
 //! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and
 //! located on the step itself, in slip and in stick. They may have a direction, and may end the
 //! run. [`solve_with_events`] stores them beside the orbit, and [`EventSearch`] finds them for an
-//! [`Observer`]. [`analysis::PoincareMap`] makes
-//! one function a system of discrete time, with the map's derivative.
+//! [`Observer`]. [`analysis::PoincareMap`] makes one function a system of discrete time, with the
+//! map's derivative.
 //!
 //! # Spectra
-//! [`analysis`] has tangent points, monodromy matrices through stick and crossing, periodic orbits,
-//! and Lyapunov spectra ([`analysis::lyapunov_spectrum`]).
+//! [`analysis`] has monodromy matrices through stick and crossing, periodic orbits, and Lyapunov
+//! spectra ([`analysis::lyapunov_spectrum`]).
 //!
 //! # Attractors, sweeps and branches
 //! [`analysis::attractor`] finds the attractor of a start, without a list of attractors.

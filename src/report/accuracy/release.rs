@@ -210,7 +210,7 @@ fn on_belt(model: &BeltOscillator) -> Result<Event, Error> {
     };
     let releases = BELT_STARTS.into_iter().map(first_release);
     let releases = releases.collect::<Result<Vec<Option<Event>>, Error>>()?;
-    // Of equally late ones, the first.
+    // Ties go to the first event.
     let later = |one: Event, other: Event| if other.t > one.t { other } else { one };
     let latest = releases.into_iter().flatten().reduce(later);
     latest.ok_or_else(|| not_found("a release from stick", 0.0, RIDE_TIME))

@@ -593,10 +593,10 @@ fn solver(
             )
         } else {
             format!(
-                "{states} states and {} inputs are too many: each input counts as {HELD_PER_INPUT} \
-                    states, and there is room for {}",
+                "{states} states and {} inputs are too many: each input holds {HELD_PER_INPUT} \
+                    numbers, which leaves room for {} states",
                 file.inputs.len(),
-                states + 66 - room.min(66)
+                (states + 66).saturating_sub(room)
             )
         };
         FileError::wrong(Problem::new(message, 0..0), file.source.clone())

@@ -173,7 +173,7 @@ impl OrbitSearch<'_> {
     fn free(&self, t: f64, x: &[f64]) -> Result<PeriodicOrbit, Error> {
         let (t, x) = self.after_transient(t, x, None)?;
         let (system, longest) = (self.system.dynamics(), self.settings.longest);
-        // Its clock begins at the end of the transient.
+        // The search counts time from the end of the transient; its errors get the file's time.
         let found = find_periodic_orbit(system, &x, 0.0, longest, self.options);
         found.map_err(|error| match error {
             Error::NotFound { what, span, .. } => Error::NotFound { what, t, span },

@@ -68,7 +68,7 @@ impl Burst {
     }
 }
 
-/// Length of the span of time that counts as none at `t`.
+/// Time span that counts as zero at time `t`.
 fn negligible_span(t: f64, options: &Options) -> f64 {
     options.pile_up_span * t.abs().max(1.0)
 }

@@ -124,8 +124,8 @@ impl LieDerivatives {
             .map_or((4, 0.0), |k| (k, self.values[k].signum()))
     }
 
-    /// Whether the combination of fields with these derivatives holds the function at zero. Its
-    /// derivatives vanish beside those of the fields, up to the first of these that do not vanish.
+    /// Whether the sliding field keeps the boundary function at zero: its Lie derivatives vanish up
+    /// to the first order at which that of a side's field does not.
     pub(crate) fn holds_beside(&self, fields: [&Self; 2]) -> bool {
         let size = |k: usize| f64::max(fields[0].values[k].abs(), fields[1].values[k].abs());
         let is_moved = |k: &usize| {

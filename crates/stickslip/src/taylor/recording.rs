@@ -244,7 +244,7 @@ impl Recording {
         (number, Some(location))
     }
 
-    /// Records the result of a comparison, before which so many rows were taken.
+    /// Records the result of a comparison and the number of rows used before it.
     pub(super) fn check(&mut self, instruction: Instruction, rows: usize) {
         self.instructions.push(RecordedInstruction {
             instruction,

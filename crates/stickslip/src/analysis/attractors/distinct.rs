@@ -16,8 +16,8 @@ const SET_INTERVALS: usize = 16;
 /// Moments of the drive's period at which an equilibrium must hold. Chosen.
 const DRIVE_MOMENTS: usize = 32;
 
-/// Closenesses within which points are the same. Each of the two was computed to within one of
-/// them; the rest is for the slow part of an approach. Chosen.
+/// Two points are the same within so many closenesses: one for the error of each, the rest for slow
+/// convergence. Chosen.
 pub(super) const SAME_CLOSENESSES: f64 = 10.0;
 
 /// The distinct attractors so far, numbered in the order in which orbits first reached them.

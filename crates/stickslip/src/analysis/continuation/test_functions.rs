@@ -210,7 +210,8 @@ impl Continuation<'_> {
             let Some(zero) = zero else {
                 continue;
             };
-            // Where the neighbouring orbits do not resolve the zero, the tangent is undetermined.
+            // A zero that is less certain than its distance to both orbits belongs to a tangent
+            // that is undetermined.
             let off = |one: &Cycle| (parameter_of(one) - zero.parameter).abs();
             let from_last = off(&self.branch.last);
             let farthest = if is_undetermined {
