@@ -128,6 +128,59 @@ fn a_velocity_in_stick_passes_a_level_once_at_a_time() {
     }
 }
 
+/// Systems in which a step ends so near an event that it may be found twice, or not at all. Speeds
+/// in stick follow the belt, so their events are counted in closed form; the other counts are those
+/// of steps by brute force.
+#[test]
+fn each_event_happens_once_at_any_tolerance() {
+    let files = [
+        (include_str!("../data/jumps/drawn-counter.toml"), Some(20)),
+        (include_str!("../data/jumps/two-oscillators.toml"), Some(15)),
+        (include_str!("../data/jumps/speed-in-stick.toml"), Some(26)),
+        (
+            include_str!("../data/jumps/slow-speed-in-stick.toml"),
+            Some(14),
+        ),
+        (include_str!("../data/jumps/three-blocks.toml"), None),
+    ];
+    for (text, count) in files {
+        let mut ends: Vec<Vector> = Vec::new();
+        for (tolerance, method) in [1e-6, 1e-8, 1e-10]
+            .into_iter()
+            .flat_map(|tolerance| METHODS.map(|method| (tolerance, method)))
+        {
+            let (run, found) = simulated_by(text, &at(tolerance, method), None);
+            if let Some(count) = count {
+                assert_eq!(found.len(), count, "{method} {tolerance}:\n{text}");
+            }
+            ends.push(run.ended.unwrap().x);
+        }
+        for end in &ends {
+            let off = (end - ends.last().unwrap()).amax();
+            assert!(off < 1e-5, "{off:e}:\n{text}");
+        }
+    }
+}
+
+/// Each flight of a mass in a guide with friction takes 0.6 √(7.81/11.81) of the one before it.
+#[test]
+fn a_mass_in_a_guide_rests_on_the_floor_where_its_impacts_accumulate() {
+    const GUIDE: &str = include_str!("../data/jumps/guide.toml");
+    let (down, up) = (7.81_f64, 11.81_f64);
+    let speed = (2.0 * down * 0.9).sqrt();
+    let flight = 0.6 * speed * (1.0 / up + 1.0 / (up * down).sqrt());
+    let exact = speed / down + flight / (1.0 - 0.6 * (down / up).sqrt());
+    for (tolerance, method) in [(1e-6, "taylor"), (1e-10, "dop853")] {
+        let run = Run::of(system(GUIDE), &at(tolerance, method), None);
+        let Err(Error::EventPileUp { accumulation, .. }) = run.ended else {
+            panic!("{method}: {:?}", run.ended);
+        };
+        let point = accumulation.unwrap();
+        assert!((point.t - exact).abs() < tolerance, "{method}: {}", point.t);
+        assert!((point.x.0[0] - 0.1).abs() < 1e-9);
+    }
+}
+
 #[test]
 fn a_jump_whose_function_another_one_moves_on_has_happened() {
     for method in METHODS {
