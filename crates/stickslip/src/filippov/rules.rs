@@ -488,6 +488,58 @@ mod tests {
                 LeadingDerivative::new(&Row, Side::Above, 1.0, &State::from(x), 0.0, tangent);
             assert_eq!((found.order, found.sign, found.calls), (order, sign, calls));
         }
+        assert_eq!(derivatives([1.0, 0.0, 0.0, 0.0]).leading(false), (4, 0.0));
+    }
+
+    #[test]
+    fn leading_derivatives_decide_the_fate_and_the_orders_of_guards() {
+        let rests = Some(Side::Below);
+        for (below, above, rests, fate, orders) in [
+            ((1, 1.0), (1, -1.0), None, Fate::Stick, [0, 0, 0]),
+            ((2, 1.0), (1, -1.0), None, Fate::Stick, [1, 0, 0]),
+            ((4, 0.0), (4, 0.0), None, Fate::Stick, [3, 3, 0]),
+            (
+                (3, -1.0),
+                (2, -1.0),
+                None,
+                Fate::Slip(Side::Below),
+                [3, 0, 0],
+            ),
+            ((1, 1.0), (2, 1.0), None, Fate::Slip(Side::Above), [2, 0, 0]),
+            ((1, -1.0), (3, 1.0), None, Fate::Repelling, [0, 2, 0]),
+            (
+                (4, 0.0),
+                (2, -1.0),
+                rests,
+                Fate::Slip(Side::Below),
+                [4, 0, 0],
+            ),
+        ] {
+            let [of_below, of_above] = [below, above].map(|(order, sign)| LeadingDerivative {
+                order,
+                sign,
+                calls: 0,
+            });
+            let found = departure(of_below, of_above, rests);
+            assert_eq!(found, Departure { fate, orders }, "{below:?} {above:?}");
+        }
+    }
+
+    #[test]
+    fn a_normal_component_that_is_known_to_vanish_decides_nothing() {
+        let system = Tangent {
+            along: [1.0, 1.0],
+            bend: [-1.0, 1.0],
+            holding: 0.0,
+        };
+        // Far more than rounding before the tangent point, from which the field above leaves.
+        let at = Timed {
+            t: 0.0,
+            x: State::from([-1e-9, 0.0]),
+        };
+        let fate = |tangent| departure_by(&system, (&at, 0.0), tangent, &mut 0).fate;
+        assert_eq!(fate(None), Fate::Stick);
+        assert_eq!(fate(Some(Side::Above)), Fate::Slip(Side::Above));
     }
 
     /// Lie derivatives with floors of rounding.
@@ -567,24 +619,30 @@ mod tests {
         );
 
         /// The field across Σ is a root of the distance from it, on a plane scaled by 2.
-        struct Root;
+        struct Root {
+            rate: f64,
+        }
         impl Filippov<2> for Root {
             fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-                [x[0].sqrt() + x[1], T::constant(1.5)]
+                [x[0].sqrt() + x[1], T::constant(self.rate)]
             }
             fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
                 x[0] * 2.0
             }
         }
         let origin = [Dual::new(0.0, 0.0); 2];
-        let (along, _) = second_derivative_along(&Root, Side::Above, Dual::new(0.0, 1.0), &origin);
+        let system = Root { rate: 1.5 };
+        let along = |x| second_derivative_along(&system, Side::Above, Dual::new(0.0, 1.0), x).0;
         // Twice the rate of x₁.
-        assert_eq!(along.re, 3.0);
+        assert_eq!(along(&origin).re, 3.0);
         let slope = [Dual::new(0.0, 0.0), Dual::new(0.25, 0.0)];
-        let (along, _) = second_derivative_along(&Root, Side::Above, Dual::new(0.0, 1.0), &slope);
-        assert_eq!(along.re, 3.0);
-        let found = LeadingDerivative::new(&Root, Side::Above, 0.0, &State::zeros(), slack, true);
-        assert_eq!((found.order, found.sign), (2, 1.0));
+        assert_eq!(along(&slope).re, 3.0);
+        // What rounding leaves of the first derivative has an infinite slope.
+        for (rate, left) in [(1.5, 0.0), (1.5, -1e-17), (-1.5, 1e-17)] {
+            let x = State::from([0.0, left]);
+            let found = LeadingDerivative::new(&Root { rate }, Side::Above, 0.0, &x, slack, true);
+            assert_eq!((found.order, found.sign), (2, rate.signum()), "{left:e}");
+        }
     }
 
     /// Fields along the boundary x₁ = 0, by side: their rate along it, and that of their bend.
@@ -611,15 +669,16 @@ mod tests {
 
     #[test]
     fn a_state_rests_on_the_side_of_an_equilibrium_to_which_the_other_leads_back() {
-        let at = |along: [f64; 2], bend: [f64; 2]| {
+        let from = |x: [f64; 2], along: [f64; 2], bend: [f64; 2]| {
             let holding = 0.0;
             let system = Tangent {
                 along,
                 bend,
                 holding,
             };
-            fate(&system, 0.0, &State::zeros())
+            fate(&system, 0.0, &State::from(x))
         };
+        let at = |along, bend| from([0.0, 0.0], along, bend);
         // The other field bends back to Σ at once.
         assert_eq!(at([0.0, 1.0], [0.0, -1.0]), Fate::Slip(Side::Below));
         assert_eq!(at([1.0, 0.0], [1.0, 0.0]), Fate::Slip(Side::Above));
@@ -628,6 +687,9 @@ mod tests {
         assert_eq!(at([1e-3, 1.0], [0.0, -1.0]), Fate::Stick);
         // A field that leads away is followed.
         assert_eq!(at([0.0, 1.0], [0.0, 1.0]), Fate::Slip(Side::Above));
+        // Nothing leads away: both fields stay on Σ, or one crosses it towards the equilibrium.
+        assert_eq!(at([1.0, 1.0], [0.0, 0.0]), Fate::Stick);
+        assert_eq!(from([1.0, 0.0], [0.0, 1.0], [0.0, -1.0]), Fate::Stick);
     }
 
     #[test]

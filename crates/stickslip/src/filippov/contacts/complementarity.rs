@@ -308,3 +308,136 @@ impl<const M: usize> RateEquations<M> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STICK: ContactOutcome = Mode::Stick;
+    const BELOW: ContactOutcome = Mode::Slip(Side::Below);
+    const ABOVE: ContactOutcome = Mode::Slip(Side::Above);
+
+    /// Rates without weights, and what each weight takes off them.
+    fn problem<const M: usize>(rates: [f64; M], resistance: [[f64; M]; M]) -> RateEquations<M> {
+        RateEquations {
+            count: M,
+            rates,
+            slopes: resistance.map(|row| row.map(|value| -value)),
+        }
+    }
+
+    /// Contacts in a row with the same entry on the diagonal, beside it, and below that.
+    fn row<const M: usize>(diagonal: f64, beside: f64, below: f64) -> RateEquations<M> {
+        let entry = |i: usize, j: usize| match i.wrapping_sub(j) {
+            0 => diagonal,
+            1 => below,
+            usize::MAX => beside,
+            _ => 0.0,
+        };
+        let line = |i: usize| std::array::from_fn(|j| entry(i, j));
+        problem([0.0; M], std::array::from_fn(line))
+    }
+
+    #[test]
+    fn one_solution_follows_from_positive_principal_minors_alone() {
+        for (resistance, has_one) in [
+            // Without coupling.
+            ([[1.0, 0.0], [0.0, 2.0]], true),
+            ([[1.0, 0.0], [0.0, 0.0]], false),
+            ([[1.0, 0.0], [0.0, -1.0]], false),
+            // Definite, and not definite with minors of 1.
+            ([[2.0, 1.0], [1.0, 2.0]], true),
+            ([[1.0, 3.0], [0.0, 1.0]], true),
+            // A minor of −3, of 0, and two of 0 beside one of 1.
+            ([[1.0, 2.0], [2.0, 1.0]], false),
+            ([[1.0, 1.0], [1.0, 1.0]], false),
+            ([[0.0, 1.0], [-1.0, 0.0]], false),
+        ] {
+            let found = problem([0.0; 2], resistance).has_one_solution();
+            assert_eq!(found, has_one, "{resistance:?}");
+        }
+        // Too many for minors: only a definite matrix is known to have one.
+        assert!(row::<17>(2.0, -1.0, -1.0).has_one_solution());
+        assert!(row::<16>(1.0, 3.0, 0.0).has_one_solution());
+        assert!(!row::<17>(1.0, 3.0, 0.0).has_one_solution());
+    }
+
+    #[test]
+    fn strengths_of_friction_leave_a_matrix_definite() {
+        // [[1, 1/2], [1/2, 1]] and a chain of three, with columns of other strengths.
+        assert!(is_definite(&[[1.0, 50.0], [0.5, 100.0]], 2));
+        let chain = [[2.0, -10.0, 0.0], [-1.0, 20.0, -0.1], [0.0, -10.0, 0.2]];
+        assert!(is_definite(&chain, 3));
+        assert!(!is_definite(&[[1.0, 200.0], [2.0, 100.0]], 2));
+        // Singular to rounding, and not quite.
+        assert!(!is_definite(&[[1.0, 1.0], [1.0, 1.0 + 1e-13]], 2));
+        assert!(is_definite(&[[1.0, 1.0], [1.0, 1.0 + 1e-11]], 2));
+    }
+
+    /// The solutions by trying all outcomes.
+    fn enumerated<const M: usize>(problem: &RateEquations<M>) -> Vec<[ContactOutcome; M]> {
+        all(M, |outcomes| problem.is_solved_by(outcomes)).unwrap()
+    }
+
+    #[test]
+    fn both_methods_find_the_solution_of_two_coupled_contacts() {
+        for (rates, outcomes) in [
+            ([1.5, 1.5], [STICK, STICK]),
+            ([5.0, 1.5], [ABOVE, STICK]),
+            ([-1.0, 2.5], [BELOW, ABOVE]),
+            // Below at first, with the other held at 11/6.
+            ([0.5, 3.0], [BELOW, ABOVE]),
+            // Below at first, and held again once the other leaves.
+            ([1.5, 4.0], [STICK, ABOVE]),
+        ] {
+            let problem = problem(rates, [[2.0, 1.0], [1.0, 2.0]]);
+            assert_eq!(problem.by_least_index(), Some(outcomes), "{rates:?}");
+            assert_eq!(enumerated(&problem), [outcomes], "{rates:?}");
+        }
+    }
+
+    #[test]
+    fn weights_and_rates_within_rounding_hold() {
+        let resistance = [[2.0, 1.0], [1.0, 2.0]];
+        // The weights, the second of which is not near an end.
+        for (weight, outcome) in [
+            (-1e-14, STICK),
+            (-1e-13, BELOW),
+            (1.0 + 1e-13, STICK),
+            (1.0 + 1e-12, ABOVE),
+        ] {
+            let problem = problem([2.0 * weight + 0.3, weight + 0.6], resistance);
+            let outcomes = [outcome, STICK];
+            assert_eq!(problem.by_least_index(), Some(outcomes), "{weight}");
+            assert_eq!(enumerated(&problem), [outcomes], "{weight}");
+        }
+        // A slip whose rate is rounding beside its terms.
+        let problem = problem([0.3 - 1e-14, 0.6], resistance);
+        assert!(!problem.is_solved_by(&[BELOW, STICK]));
+        let weights = [0.0, 0.3];
+        for (rate, wanted) in [(-1e-14, STICK), (-1e-12, BELOW), (1e-12, STICK)] {
+            assert_eq!(problem.wanted(0, BELOW, &weights, rate), wanted, "{rate}");
+            assert_eq!(
+                problem.wanted(0, ABOVE, &weights, -rate) == STICK,
+                wanted == STICK
+            );
+        }
+    }
+
+    #[test]
+    fn contacts_that_act_on_each_other_alone_are_solved_with_pivots() {
+        let across = [[0.0, 1.0], [-1.0, 0.0]];
+        // Weights of 1/2, and of −1 and 1/2 if both held.
+        assert_eq!(enumerated(&problem([0.5, -0.5], across)), [[STICK, STICK]]);
+        assert_eq!(enumerated(&problem([0.5, 1.0], across)), [[BELOW, ABOVE]]);
+        // What nothing acts on leaves.
+        let apart = problem([0.5, 0.5], [[0.0, 0.0], [0.0, 1.0]]);
+        assert_eq!(enumerated(&apart), [[ABOVE, STICK]]);
+    }
+
+    #[test]
+    fn eight_contacts_are_enumerated_and_nine_are_not() {
+        assert_eq!(all::<8>(8, |_| false), Some(Vec::new()));
+        assert_eq!(all::<9>(9, |_| false), None);
+    }
+}

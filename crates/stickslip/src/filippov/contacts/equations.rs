@@ -66,3 +66,18 @@ pub(super) fn has_positive_pivots<const M: usize>(a: &[[f64; M]; M], count: usiz
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::principal_minor;
+
+    #[test]
+    fn minors_are_of_the_chosen_rows_and_vanish_with_any_pivot() {
+        let matrix = [[2.0, 1.0, 0.0], [1.0, 2.0, 0.0], [0.0, 0.0, 5.0]];
+        assert_eq!(principal_minor(&matrix, &[0, 1, 2]), 15.0);
+        assert_eq!(principal_minor(&matrix, &[1, 2]), 10.0);
+        // Two boundaries that coincide, before a third.
+        let gram = [[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        assert_eq!(principal_minor(&gram, &[0, 1, 2]), 0.0);
+    }
+}
