@@ -379,6 +379,21 @@ def test_a_future_that_is_not_unique_has_a_status_of_its_own():
     assert sol.status == 2 and not sol.success and "no unique future" in sol.message
 
 
+def test_nine_contacts_at_zero_are_decided_only_where_their_friction_resists_them():
+    def nine(coupling):
+        states = ss.states(" ".join(f"v{i}" for i in range(9)))
+        contacts = [ss.Contact(f"c{i}", boundary=v, friction=1) for i, v in enumerate(states)]
+        rates = {v: 0.1 - contact.friction for v, contact in zip(states, contacts)}
+        for i in (0, 1):
+            rates[states[i]] = rates[states[i]] - coupling * contacts[1 - i].friction
+        return ss.System(rates, contacts=contacts, start=[0.0] * 9)
+
+    # All principal minors are positive, or that of the first two is -3.
+    assert list(ss.solve_ivp(nine(0.5), (0, 1)).phases["mode"]) == ["|".join("S" * 9)]
+    with pytest.raises(ss.StickslipError, match="more than eight are too many to try"):
+        ss.solve_ivp(nine(2), (0, 1))
+
+
 def test_an_event_has_the_values_of_the_system():
     x, v = ss.states("x v")
     k, u = ss.parameter("k", 1.0), ss.square("u", period=3)
