@@ -145,6 +145,28 @@ fn values_at_impacts_have_no_standard_error_and_the_event_is_named() {
 }
 
 #[test]
+fn impacts_that_accumulate_are_counted() {
+    let top = tempfile::tempdir().unwrap();
+    let ball = "name = \"ball\"\n[states]\nh = \"\"\nw = \"\"\n[parameters]\ng = 9\n\
+                [stops.floor]\ngap = \"h\"\nrestitution = 0.5\nacts = { w = \"1\" }\n\
+                [field]\nh = \"w\"\nw = \"-g\"\n[start]\nh = 1\nw = 0\n";
+    std::fs::write(top.path().join("ball.toml"), ball).unwrap();
+    // The fall from a height of 1, and rest.
+    let mut rows = vec!["t,h".to_owned()];
+    rows.extend([0.1, 0.2, 0.3, 0.4].map(|t: f64| format!("{t},{}", 1.0 - 5.0 * t * t)));
+    rows.extend([1.5, 1.75, 2.0].map(|t| format!("{t},0")));
+    std::fs::write(top.path().join("h.csv"), rows.join("\n") + "\n").unwrap();
+    let arguments = ["fit", "ball.toml", "h.csv", "--fit", "g", "--observe", "h"];
+    let mut command = program(top.path());
+    let said = command.args(arguments).assert().success();
+    let counted = contains("phases       floor.impact × ").and(contains(" floor.landing ·"));
+    said.stdout(counted);
+    let mut command = program(top.path());
+    let json = command.args(arguments).arg("--json").assert().success();
+    json.stdout(contains("floor.impact floor.impact floor.impact"));
+}
+
+#[test]
 fn several_records_have_files_of_their_own() {
     let top = folder();
     std::fs::copy(top.path().join("data.csv"), top.path().join("again.csv")).unwrap();

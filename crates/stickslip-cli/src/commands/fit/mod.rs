@@ -143,6 +143,18 @@ fn rounded(value: f64, uncertainty: f64) -> String {
     text.split(" ±").next().unwrap_or_default().to_owned()
 }
 
+/// Successive phases in letters. Equal ones, as before impacts that accumulate, are counted.
+fn counted(system: &System, modes: &[Modes]) -> String {
+    let runs = modes.chunk_by(|one, next| one == next).map(|run| {
+        let letters = system.letters(&run[0]);
+        match run.len() {
+            1 => letters,
+            count => format!("{letters} × {count}"),
+        }
+    });
+    runs.collect::<Vec<_>>().join(" ")
+}
+
 fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failure> {
     let request = &wanted.request;
     let values: usize = found.columns.iter().map(|column| column.count).sum();
@@ -171,15 +183,15 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
     report.field("values", fitted.json(&found.values));
     uncertainties(&mut report, found)?;
     columns(&mut report, (system, wanted), found)?;
-    let sequences = found.phases.iter().map(|phases| {
-        let modes: Vec<_> = phases.iter().map(|phase| phase.2).collect();
-        system.sequence(&modes)
-    });
-    let sequences: Vec<String> = sequences.collect();
+    let modes = found.phases.iter();
+    let modes = modes.map(|phases| phases.iter().map(|phase| phase.2).collect());
+    let modes: Vec<Vec<Modes>> = modes.collect();
     if system.contacts() + system.file.jumps.len() > 0 {
-        report.lines("phases", sequences.clone());
+        let counted = modes.iter().map(|modes| counted(system, modes));
+        report.lines("phases", counted);
     }
-    report.field("phases", sequences);
+    let sequences = modes.iter().map(|modes| system.sequence(modes));
+    report.field("phases", sequences.collect::<Vec<_>>());
     seen(&mut report, (system, wanted), found)?;
     let others = found.others.iter().map(|other| {
         let pairs = found.values.iter().zip(&other.values);
