@@ -7,7 +7,7 @@ use super::jumps::Jumps;
 use super::run::Run;
 use super::{Moment, OrbitProgress, OrbitUnderWay};
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Integration, Member, Switched};
+use crate::filippov::{BatchMember, EventFunctions, Integration, Switched};
 
 /// Receives what [`OrbitUnderWay::step`] returns for several orbits, each by the index of its
 /// start.
@@ -41,7 +41,7 @@ pub(super) struct BatchOrbit<'r, 'l, R> {
     pub(super) listener: &'r RefCell<&'r mut Listener<'l>>,
 }
 
-impl<'a, S, V, J, const N: usize, const G: usize> Member<'a, S, N, G>
+impl<'a, S, V, J, const N: usize, const G: usize> BatchMember<'a, S, N, G>
     for BatchOrbit<'_, '_, Run<'a, S, V, J, N, G>>
 where
     S: Switched<N, G>,

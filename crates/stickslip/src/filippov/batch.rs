@@ -31,7 +31,7 @@ const MIN_GROUP: usize = 3;
 const ACTIVE_ORBITS: usize = 4 * LANES;
 
 /// An orbit of a batch.
-pub(crate) trait Member<'a, S: Switched<N, G>, const N: usize, const G: usize> {
+pub(crate) trait BatchMember<'a, S: Switched<N, G>, const N: usize, const G: usize> {
     /// The result of the orbit.
     type Outcome;
 
@@ -168,7 +168,7 @@ struct Batch<'o, S: Switched<N, G>, M, const N: usize, const G: usize> {
 impl<'a, S, M, const N: usize, const G: usize> Batch<'_, S, M, N, G>
 where
     S: Switched<N, G> + 'a,
-    M: Member<'a, S, N, G>,
+    M: BatchMember<'a, S, N, G>,
 {
     /// Puts an orbit into the queue with its key.
     fn enqueue(&mut self, i: usize) {
@@ -315,7 +315,7 @@ fn choose<'a, S, M, const N: usize, const G: usize>(
 ) -> Lanes<LANES>
 where
     S: Switched<N, G> + 'a,
-    M: Member<'a, S, N, G>,
+    M: BatchMember<'a, S, N, G>,
 {
     for (ratio, &i) in ratios.iter_mut().zip(group) {
         let Integration { stepper, run, .. } = members[i].member.integration();
@@ -336,7 +336,7 @@ struct GroupByFlow<'b, 'o, S: Switched<N, G>, M, const N: usize, const G: usize>
 impl<'a, S, M, const N: usize, const G: usize> UseFlow<N> for GroupByFlow<'_, '_, S, M, N, G>
 where
     S: Switched<N, G> + 'a,
-    M: Member<'a, S, N, G>,
+    M: BatchMember<'a, S, N, G>,
 {
     type Output = Option<PlannedSteps<N, G>>;
 
@@ -368,7 +368,7 @@ pub(crate) fn side_by_side<'a, S, M, T, const N: usize, const G: usize>(
 ) -> Vec<M::Outcome>
 where
     S: Switched<N, G> + 'a,
-    M: Member<'a, S, N, G>,
+    M: BatchMember<'a, S, N, G>,
 {
     let mut outcomes: Vec<_> = (0..starts.len()).map(|_| None).collect();
     let mut starts = starts.enumerate();

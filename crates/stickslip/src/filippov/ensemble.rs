@@ -147,7 +147,7 @@ impl<'a, S: Switched<N, G>, O: Observer<N, S::Mode>, const N: usize, const G: us
     }
 }
 
-impl<'a, S, O, const N: usize, const G: usize> batch::Member<'a, S, N, G>
+impl<'a, S, O, const N: usize, const G: usize> batch::BatchMember<'a, S, N, G>
     for ObservedOrbit<'a, S, O, N, G>
 where
     S: Switched<N, G>,

@@ -33,7 +33,7 @@ mod two_fold;
 mod uncertainty;
 
 pub use absolute::AbsoluteTolerance;
-pub(crate) use batch::{Member, side_by_side};
+pub(crate) use batch::{BatchMember, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};

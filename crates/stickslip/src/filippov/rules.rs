@@ -469,8 +469,8 @@ mod tests {
     #[test]
     fn where_the_first_that_may_decide_vanishes_the_next_ones_do() {
         /// Three integrators in a row: all derivatives are those of the state.
-        struct Row;
-        impl Filippov<3> for Row {
+        struct Integrators;
+        impl Filippov<3> for Integrators {
             fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
                 [x[1], x[2], T::constant(-2.0)]
             }
@@ -484,8 +484,14 @@ mod tests {
             ([0.0, 1.0, -1.0], true, 2, -1.0, 8),
             ([0.0, 1.0, 0.0], true, 3, -1.0, 8 + 12),
         ] {
-            let found =
-                LeadingDerivative::new(&Row, Side::Above, 1.0, &State::from(x), 0.0, tangent);
+            let found = LeadingDerivative::new(
+                &Integrators,
+                Side::Above,
+                1.0,
+                &State::from(x),
+                0.0,
+                tangent,
+            );
             assert_eq!((found.order, found.sign, found.calls), (order, sign, calls));
         }
         assert_eq!(derivatives([1.0, 0.0, 0.0, 0.0]).leading(false), (4, 0.0));
@@ -646,14 +652,14 @@ mod tests {
     }
 
     /// Fields along the boundary x₁ = 0, by side: their rate along it, and that of their bend.
-    struct Tangent {
+    struct AlongBoundary {
         along: [f64; 2],
         bend: [f64; 2],
         /// Strength by which static friction pushes back what holds.
         holding: f64,
     }
 
-    impl Filippov<2> for Tangent {
+    impl Filippov<2> for AlongBoundary {
         fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
             let of = usize::from(side == Side::Above);
             [T::constant(self.along[of]), x[0] * self.bend[of]]
@@ -671,7 +677,7 @@ mod tests {
     fn a_state_rests_on_the_side_of_an_equilibrium_to_which_the_other_leads_back() {
         let from = |x: [f64; 2], along: [f64; 2], bend: [f64; 2]| {
             let holding = 0.0;
-            let system = Tangent {
+            let system = AlongBoundary {
                 along,
                 bend,
                 holding,
@@ -696,7 +702,7 @@ mod tests {
     fn static_friction_decides_before_that_in_slip() {
         let at = |holding: f64| {
             let (along, bend) = ([1.0, 1.0], [1.0, 1.0]);
-            let system = Tangent {
+            let system = AlongBoundary {
                 along,
                 bend,
                 holding,

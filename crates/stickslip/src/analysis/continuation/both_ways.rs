@@ -1,6 +1,6 @@
 //! Curves in two parameters, followed both ways from one solution.
 
-use super::stepping::{Outcome, SHORTER, Stepping, follow};
+use super::stepping::{SHORTER, StepOutcome, Stepping, follow};
 use super::{ContinuationSettings, CurveStop};
 
 /// A special solution on a curve.
@@ -23,7 +23,7 @@ pub(super) trait SpecialOnCurve {
 }
 
 /// An end of a curve behind one of its solutions.
-pub(super) struct CurveEnd<P, S> {
+pub(super) struct CurveEndOf<P, S> {
     /// Place on the line from that solution.
     pub s: f64,
     pub stop: CurveStop,
@@ -34,7 +34,7 @@ pub(super) struct CurveEnd<P, S> {
 }
 
 /// The end of a curve `C`.
-pub(super) type EndOf<C> = CurveEnd<<C as FollowedCurve>::Point, <C as FollowedCurve>::Special>;
+pub(super) type EndOf<C> = CurveEndOf<<C as FollowedCurve>::Point, <C as FollowedCurve>::Special>;
 
 /// A curve that is followed. Numbers of solutions are those of one direction, with the first.
 pub(super) trait FollowedCurve {
@@ -110,29 +110,29 @@ impl<C: FollowedCurve> Stepping for OneWay<'_, C> {
         is_enough.then_some(CurveStop::Points)
     }
 
-    fn take_step(&mut self, step: f64) -> Outcome<CurveStop> {
+    fn take_step(&mut self, step: f64) -> StepOutcome<CurveStop> {
         let (curve, at, how) = (self.curve, &self.at, (step, self.number()));
-        let shorter = Outcome::Shortened(SHORTER * step);
+        let shorter = StepOutcome::Shortened(SHORTER * step);
         let Some((next, point, iterations)) = curve.next(at, step) else {
             return match curve.end_before(at, step, how.1) {
-                Some(end) => Outcome::End(self.end(end)),
+                Some(end) => StepOutcome::End(self.end(end)),
                 None => shorter,
             };
         };
         let ends = match curve.ends((at, &next), self.first, how) {
             Ok(ends) => ends,
-            Err(stop) => return stop.map_or(shorter, Outcome::End),
+            Err(stop) => return stop.map_or(shorter, StepOutcome::End),
         };
         let end = ends.into_iter().min_by(|a, b| a.s.total_cmp(&b.s));
         let mut special = curve.special((at, &next), how);
         special.retain(|(s, _)| end.as_ref().is_none_or(|end| *s < end.s));
         self.special.extend(special.into_iter().map(|(_, one)| one));
         if let Some(end) = end {
-            return Outcome::End(self.end(end));
+            return StepOutcome::End(self.end(end));
         }
         self.points.push(point);
         self.at = next;
-        Outcome::Found {
+        StepOutcome::Found {
             length: step,
             iterations,
         }

@@ -38,7 +38,7 @@ impl Eigenvalue {
 
 /// The eigenvalues of a solution.
 #[derive(Clone, Debug)]
-pub(super) struct Spectrum(pub Vec<Eigenvalue>);
+pub(super) struct Eigenvalues(pub Vec<Eigenvalue>);
 
 /// How eigenvalues cross the border.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl Crossing {
     }
 }
 
-impl Spectrum {
+impl Eigenvalues {
     /// Number of eigenvalues of a kind.
     fn number(&self, is_counted: impl Fn(&Eigenvalue) -> bool) -> i32 {
         self.0.iter().filter(|one| is_counted(one)).count() as i32
@@ -103,7 +103,7 @@ impl Spectrum {
 
     /// Whether crossings of these kinds change the number of unstable eigenvalues from that of one
     /// solution to that of another one.
-    pub fn explains(&self, other: &Spectrum, located: &[(f64, Crossing)]) -> bool {
+    pub fn explains(&self, other: &Eigenvalues, located: &[(f64, Crossing)]) -> bool {
         let between = |is_counted: &dyn Fn(&Eigenvalue) -> bool| {
             other.number(is_counted) - self.number(is_counted)
         };
@@ -133,15 +133,15 @@ pub(super) struct Crossed<S> {
 }
 
 /// A solution at a place on a line, and its eigenvalues.
-pub(super) type OnLine<'s, S> = (f64, &'s S, Spectrum);
+pub(super) type OnLine<'s, S> = (f64, &'s S, Eigenvalues);
 
 /// The solutions on a line, with their eigenvalues.
 pub(super) trait Spectra: Path {
     /// The eigenvalues of a solution, with the least uncertainty that they may have.
-    fn spectrum(&self, solution: &Self::Solution) -> Option<Spectrum>;
+    fn spectrum(&self, solution: &Self::Solution) -> Option<Eigenvalues>;
 
     /// The eigenvalues of the solution at a place, with their uncertainties.
-    fn known_spectrum(&self, _place: f64, solution: &Self::Solution) -> Option<Spectrum> {
+    fn known_spectrum(&self, _place: f64, solution: &Self::Solution) -> Option<Eigenvalues> {
         self.spectrum(solution)
     }
 
@@ -159,7 +159,7 @@ pub(super) trait Spectra: Path {
     fn before_neutral(
         &self,
         length: f64,
-        [last, next]: [&Spectrum; 2],
+        [last, next]: [&Eigenvalues; 2],
     ) -> Option<(f64, Self::Solution)> {
         // Distances, as fractions of the step. Chosen: on a short one few eigenvalues cross.
         const BEFORE: [f64; 3] = [1e-3, 1e-2, 1e-1];

@@ -4,7 +4,7 @@ use std::fmt;
 
 use nalgebra::Complex;
 
-use super::both_ways::{CurveEnd, FollowedCurve, SpecialOnCurve, follow_both_ways};
+use super::both_ways::{CurveEndOf, FollowedCurve, SpecialOnCurve, follow_both_ways};
 use super::curve::others;
 use super::equilibrium::{
     BranchEquilibrium, EquilibriaOnLine, EquilibriumBifurcation, EquilibriumContinuation,
@@ -290,7 +290,7 @@ impl CurveEquilibrium {
 }
 
 /// A function of the equilibria of a curve.
-type OfCurve<'f> = dyn Fn(&CurveEquilibrium) -> Option<f64> + 'f;
+type EquilibriumFunction<'f> = dyn Fn(&CurveEquilibrium) -> Option<f64> + 'f;
 
 /// The continuation of a curve.
 struct CurveOfEquilibria<'a> {
@@ -332,7 +332,7 @@ struct Located {
 }
 
 /// An end of the curve.
-type End = CurveEnd<EquilibriumCurvePoint, EquilibriumCurveSpecial>;
+type EquilibriumCurveEnd = CurveEndOf<EquilibriumCurvePoint, EquilibriumCurveSpecial>;
 
 impl CurveOfEquilibria<'_> {
     fn value(&self, condition: Condition, one: &BranchEquilibrium) -> Option<f64> {
@@ -467,7 +467,7 @@ impl CurveOfEquilibria<'_> {
         &self,
         from: &CurveEquilibrium,
         ends: [(f64, f64); 2],
-        function: &OfCurve<'_>,
+        function: &EquilibriumFunction<'_>,
     ) -> Option<Located> {
         let on = |which| OnCurve {
             curve: self,
@@ -496,7 +496,7 @@ impl CurveOfEquilibria<'_> {
     }
 
     /// The functions whose zeros are special equilibria on the curve, with their names.
-    fn tests(&self) -> Vec<(EquilibriumCurveBifurcation, Box<OfCurve<'_>>)> {
+    fn tests(&self) -> Vec<(EquilibriumCurveBifurcation, Box<EquilibriumFunction<'_>>)> {
         use EquilibriumCurveBifurcation as Name;
         let determinant = |at: &CurveEquilibrium| Some(at.one.along.determinant());
         let rate = |at: &CurveEquilibrium| rate_of_pair(&at.one.eigenvalues());
@@ -510,7 +510,7 @@ impl CurveOfEquilibria<'_> {
                 Box::new(|at: &CurveEquilibrium| {
                     let is_fold = at.condition == Condition::Fold;
                     is_fold.then(|| others(&at.one.eigenvalues(), 0.0))
-                }) as Box<OfCurve<'_>>,
+                }) as Box<EquilibriumFunction<'_>>,
             ),
             (
                 Name::FoldHopf,
@@ -588,14 +588,14 @@ impl CurveOfEquilibria<'_> {
         &self,
         (at, length): (&CurveEquilibrium, f64),
         first: &CurveEquilibrium,
-    ) -> Option<End> {
+    ) -> Option<EquilibriumCurveEnd> {
         let s = at.along.row.dot(&(&first.one.at.x - &at.along.from));
         if !(0.0..=length).contains(&s) {
             return None;
         }
         let found = self.on(at, s)?;
         let is_first = self.of.are_same(&found.one.at.x, &first.one.at.x);
-        is_first.then(|| End {
+        is_first.then(|| EquilibriumCurveEnd {
             s,
             stop: CurveStop::Closed,
             last: first.point(),
@@ -632,7 +632,7 @@ impl FollowedCurve for CurveOfEquilibria<'_> {
         bends_little.then_some((next, point, iterations))
     }
 
-    fn end_before(&self, _: &CurveEquilibrium, _: f64, _: usize) -> Option<End> {
+    fn end_before(&self, _: &CurveEquilibrium, _: f64, _: usize) -> Option<EquilibriumCurveEnd> {
         None
     }
 
@@ -641,20 +641,21 @@ impl FollowedCurve for CurveOfEquilibria<'_> {
         (at, next): (&CurveEquilibrium, &CurveEquilibrium),
         first: &CurveEquilibrium,
         (length, number): (f64, usize),
-    ) -> Result<Vec<End>, Option<CurveStop>> {
+    ) -> Result<Vec<EquilibriumCurveEnd>, Option<CurveStop>> {
         use EquilibriumCurveBifurcation as Name;
         let mut ends = Vec::new();
-        let end = |values: [f64; 2], function: &OfCurve<'_>, stop, what: Option<Name>| {
-            let places = [(0.0, values[0]), (length, values[1])];
-            let located = self.located(at, places, function);
-            let located = located.ok_or(None)?;
-            Ok::<End, Option<CurveStop>>(End {
-                s: located.s,
-                stop,
-                last: located.at.point(),
-                special: what.map(|what| self.described(&located, what, number)),
-            })
-        };
+        let end =
+            |values: [f64; 2], function: &EquilibriumFunction<'_>, stop, what: Option<Name>| {
+                let places = [(0.0, values[0]), (length, values[1])];
+                let located = self.located(at, places, function);
+                let located = located.ok_or(None)?;
+                Ok::<EquilibriumCurveEnd, Option<CurveStop>>(EquilibriumCurveEnd {
+                    s: located.s,
+                    stop,
+                    last: located.at.point(),
+                    special: what.map(|what| self.described(&located, what, number)),
+                })
+            };
         let product = |one: &CurveEquilibrium| match one.condition {
             Condition::Pair(product) => Some(product),
             _ => None,
@@ -743,7 +744,12 @@ impl FollowedCurve for CurveOfEquilibria<'_> {
         described.collect()
     }
 
-    fn last_end(&self, _: &CurveEquilibrium, _: f64, _: usize) -> Result<End, CurveStop> {
+    fn last_end(
+        &self,
+        _: &CurveEquilibrium,
+        _: f64,
+        _: usize,
+    ) -> Result<EquilibriumCurveEnd, CurveStop> {
         Err(CurveStop::NoConvergence)
     }
 }

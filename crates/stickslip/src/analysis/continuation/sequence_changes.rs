@@ -1,7 +1,7 @@
 //! Changes of the phases along a branch: where they are, which margin vanishes, and the orbits
 //! behind them.
 
-use super::stepping::Outcome;
+use super::stepping::StepOutcome;
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
@@ -361,7 +361,7 @@ impl Continuation<'_> {
     }
 
     /// Records a change of the phases and continues behind it.
-    pub(super) fn pass_change(&mut self, change: Change) -> Outcome<Stop> {
+    pub(super) fn pass_change(&mut self, change: Change) -> StepOutcome<Stop> {
         let Change {
             at,
             line,
@@ -380,7 +380,7 @@ impl Continuation<'_> {
         let what = CycleBifurcation::Sequence(Box::new(described));
         self.record_special(what, at, line, Some(margin));
         if self.junction.is_some() {
-            return Outcome::End(Stop::Points);
+            return StepOutcome::End(Stop::Points);
         }
         let Some((next, line)) = behind else {
             let offset = (parameter - self.parameter()).signum() * self.branch.units.width;
@@ -390,16 +390,16 @@ impl Continuation<'_> {
             };
             let mut starts = self.branch.last.begins.iter().map(beyond);
             let refused = starts.find_map(|start| self.refused(&start));
-            return Outcome::End(refused.unwrap_or(Stop::SequenceEnds));
+            return StepOutcome::End(refused.unwrap_or(Stop::SequenceEnds));
         };
         if !self.is_in_range(&next) {
-            return Outcome::End(Stop::Range);
+            return StepOutcome::End(Stop::Range);
         }
         // A fold may lie next to it.
         self.branch.step = FIRST_BEHIND_CHANGE * self.settings.step;
         self.take(next);
         self.branch.line = Some(line);
-        Outcome::Elsewhere
+        StepOutcome::Elsewhere
     }
 }
 

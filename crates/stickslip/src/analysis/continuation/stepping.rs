@@ -13,7 +13,7 @@ pub(super) const FIRST_STEP: f64 = 0.1;
 pub(super) const SHORTER: f64 = 0.3;
 
 /// What a step of a continuation has come to.
-pub(super) enum Outcome<End> {
+pub(super) enum StepOutcome<End> {
     /// A solution, over a step of this length in so many iterations.
     Found { length: f64, iterations: usize },
     /// Another place from which the continuation goes on by steps of its own choice.
@@ -41,7 +41,7 @@ pub(super) trait Stepping {
     fn completed(&mut self) -> Option<Self::End>;
 
     /// Takes a step of at most this length.
-    fn take_step(&mut self, length: f64) -> Outcome<Self::End>;
+    fn take_step(&mut self, length: f64) -> StepOutcome<Self::End>;
 
     /// Names the end behind which no solution was found.
     fn name_end(&mut self) -> Self::End;
@@ -58,20 +58,20 @@ pub(super) fn follow<S: Stepping>(steps: &mut S) -> S::End {
         }
         let length = *steps.step().0;
         match steps.take_step(length) {
-            Outcome::Found { length, iterations } => {
+            StepOutcome::Found { length, iterations } => {
                 let longer = if iterations <= EASY { LONGER } else { 1.0 };
                 let (step, longest) = steps.step();
                 *step = (longer * length).min(longest);
             }
-            Outcome::Elsewhere => {}
-            Outcome::Shortened(length) => {
+            StepOutcome::Elsewhere => {}
+            StepOutcome::Shortened(length) => {
                 *steps.step().0 = length;
                 if length < S::SHORTEST {
                     return steps.name_end();
                 }
             }
-            Outcome::Lost => return steps.name_end(),
-            Outcome::End(end) => return end,
+            StepOutcome::Lost => return steps.name_end(),
+            StepOutcome::End(end) => return end,
         }
     }
 }
@@ -99,14 +99,14 @@ mod tests {
             (self.taken.len() == 1000).then_some("enough")
         }
 
-        fn take_step(&mut self, length: f64) -> Outcome<&'static str> {
+        fn take_step(&mut self, length: f64) -> StepOutcome<&'static str> {
             if self.at + length > self.end {
-                return Outcome::Shortened(SHORTER * length);
+                return StepOutcome::Shortened(SHORTER * length);
             }
             self.at += length;
             self.taken.push(length);
             let iterations = if self.at > 0.5 { 6 } else { 5 };
-            Outcome::Found { length, iterations }
+            StepOutcome::Found { length, iterations }
         }
 
         fn name_end(&mut self) -> &'static str {

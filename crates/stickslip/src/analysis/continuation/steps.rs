@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::stepping::{FIRST_STEP, Outcome, SHORTER, SHORTEST_STEP, Stepping, follow};
+use super::stepping::{FIRST_STEP, SHORTER, SHORTEST_STEP, StepOutcome, Stepping, follow};
 use super::tangent_line::{TangentLine, Units};
 use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
@@ -224,12 +224,12 @@ impl<'a> Continuation<'a> {
     }
 
     /// Takes a step, or passes a change of the phases.
-    fn advance(&mut self) -> Outcome<Stop> {
+    fn advance(&mut self) -> StepOutcome<Stop> {
         if self.branch.last.is_badly_cut() {
             self.cut_anew();
         }
         let Some(line) = self.branch.line.clone() else {
-            return Outcome::Lost;
+            return StepOutcome::Lost;
         };
         let mut step = self.branch.step;
         // Only friction ends the motion of a driven system. Without it the branch goes on at rest.
@@ -246,14 +246,14 @@ impl<'a> Continuation<'a> {
             if step < SHORTEST_STEP {
                 return match self.vanished_segment(&line, place) {
                     Some(change) => self.pass_change(change),
-                    None => Outcome::Lost,
+                    None => StepOutcome::Lost,
                 };
             }
         }
         let (low, high) = self.settings.range;
         let next = line.on(&self.shooting, step);
         let Some(mut next) = next.filter(Cycle::is_differentiable) else {
-            return Outcome::Shortened(SHORTER * step);
+            return StepOutcome::Shortened(SHORTER * step);
         };
         let is_outside = !self.is_in_range(&next);
         if is_outside {
@@ -264,7 +264,7 @@ impl<'a> Continuation<'a> {
             let row = guess.unit(self.place());
             let at_end = self.shooting.solve(&guess, Some((&row, end)));
             let Some(at_end) = at_end.filter(Cycle::is_differentiable) else {
-                return Outcome::Shortened(SHORTER * step);
+                return StepOutcome::Shortened(SHORTER * step);
             };
             next = at_end;
         }
@@ -272,33 +272,33 @@ impl<'a> Continuation<'a> {
         let bends = |onward: &TangentLine| !line.bends_little(onward);
         let strays = line.strays(&self.shooting, &self.branch.units, &next);
         if strays || onward.as_ref().is_some_and(bends) {
-            return Outcome::Shortened(0.5 * step);
+            return StepOutcome::Shortened(0.5 * step);
         }
         // Beside a flip, Newton's method may lead to the half's branch.
         if [&next, &self.branch.last].map(Cycle::is_half_twice) == [Some(true), Some(false)] {
-            return Outcome::Shortened(0.5 * step);
+            return StepOutcome::Shortened(0.5 * step);
         }
         match self.change_before(&line, &next) {
-            Err(()) => return Outcome::Shortened(0.5 * step),
+            Err(()) => return StepOutcome::Shortened(0.5 * step),
             Ok(Some(change)) => return self.pass_change(change),
             Ok(None) => {}
         }
         if let Some(why) = self.refused(&next.anchor) {
-            return Outcome::End(self.go_to_edge(&line, line.place(&next), why));
+            return StepOutcome::End(self.go_to_edge(&line, line.place(&next), why));
         }
         if self.is_homoclinic(&next) {
-            return Outcome::Lost;
+            return StepOutcome::Lost;
         }
-        let found = Outcome::Found {
+        let found = StepOutcome::Found {
             length: step,
             iterations: next.iterations,
         };
         let end = self.follow(&line, next, onward);
         if self.junction.is_some() {
-            return Outcome::End(Stop::Points);
+            return StepOutcome::End(Stop::Points);
         }
         let end = end.or(is_outside.then_some(Stop::Range));
-        end.map_or(found, Outcome::End)
+        end.map_or(found, StepOutcome::End)
     }
 
     /// Whether the period grows while the parameter changes by no more than the tolerance.
@@ -478,20 +478,20 @@ impl Stepping for BranchSteps<'_, '_, '_> {
         of.shrinks()
     }
 
-    fn take_step(&mut self, _: f64) -> Outcome<Stop> {
+    fn take_step(&mut self, _: f64) -> StepOutcome<Stop> {
         let outcome = self.continuation.advance();
-        if let Outcome::Shortened(length) = outcome
+        if let StepOutcome::Shortened(length) = outcome
             && length < SHORTEST_STEP
             && let Some(change) = self.continuation.vanishing_arrival(length / SHORTER)
         {
             return self.continuation.pass_change(change);
         }
-        if !matches!(outcome, Outcome::Found { .. } | Outcome::Elsewhere) {
+        if !matches!(outcome, StepOutcome::Found { .. } | StepOutcome::Elsewhere) {
             return outcome;
         }
         match self.continuation.closes() {
-            Some(Stop::NoConvergence) => Outcome::Lost,
-            Some(stop) => Outcome::End(stop),
+            Some(Stop::NoConvergence) => StepOutcome::Lost,
+            Some(stop) => StepOutcome::End(stop),
             None => outcome,
         }
     }

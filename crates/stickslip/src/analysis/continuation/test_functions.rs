@@ -1,6 +1,8 @@
 //! Test functions of the multipliers: the special orbits between two orbits of a branch.
 
-use super::crossings::{Crossed, Crossing, Eigenvalue, MOST_HALVINGS, OnLine, Spectra, Spectrum};
+use super::crossings::{
+    Crossed, Crossing, Eigenvalue, Eigenvalues, MOST_HALVINGS, OnLine, Spectra,
+};
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, critical, parameter_of};
@@ -39,18 +41,18 @@ impl Path for Multipliers<'_, '_> {
 impl Spectra for Multipliers<'_, '_> {
     /// The multipliers, where the flow map has a derivative. One that is as near to the unit circle
     /// as [`crate::analysis::Stability`] says is neutral.
-    fn spectrum(&self, cycle: &Cycle) -> Option<Spectrum> {
+    fn spectrum(&self, cycle: &Cycle) -> Option<Eigenvalues> {
         let of = critical(cycle, &self.continuation.shooting)?;
         let eigenvalue = |value| Eigenvalue {
             value,
             beyond: modulus(value) - 1.0,
             uncertainty: NEUTRAL_DISTANCE,
         };
-        Some(Spectrum(of.others.into_iter().map(eigenvalue).collect()))
+        Some(Eigenvalues(of.others.into_iter().map(eigenvalue).collect()))
     }
 
     /// The multipliers with their uncertainties by half the steps.
-    fn known_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
+    fn known_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Eigenvalues> {
         let mut spectrum = self.resolved_spectrum(place, cycle)?;
         for one in &mut spectrum.0 {
             one.uncertainty = one.uncertainty.max(NEUTRAL_DISTANCE);
@@ -69,7 +71,7 @@ impl Spectra for Multipliers<'_, '_> {
 
 impl Multipliers<'_, '_> {
     /// The multipliers, with their uncertainties by half the steps alone.
-    fn resolved_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Spectrum> {
+    fn resolved_spectrum(&self, place: f64, cycle: &Cycle) -> Option<Eigenvalues> {
         let mut spectrum = self.spectrum(cycle)?;
         let finer = self.finer(place)?;
         let values: Vec<_> = spectrum.0.iter().map(|one| one.value).collect();

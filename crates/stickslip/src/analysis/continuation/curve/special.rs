@@ -27,7 +27,7 @@ pub(super) struct LocatedOrbit {
 const KNOWN_SIGN: f64 = 10.0;
 
 /// A function of the orbits of a curve.
-type OfCurve<'f> = dyn Fn(&Cycle, &CurveCondition) -> Option<f64> + 'f;
+type OrbitFunction<'f> = dyn Fn(&Cycle, &CurveCondition) -> Option<f64> + 'f;
 
 /// The uncertainty of a function that has none besides its rounding.
 pub(super) fn certain(_: &Cycle, _: &CurveCondition) -> Option<f64> {
@@ -178,7 +178,7 @@ impl CurveContinuation<'_> {
         &self,
         at: &CurvePosition,
         [a, b]: [(f64, f64); 2],
-        [function, doubt]: [&OfCurve<'_>; 2],
+        [function, doubt]: [&OrbitFunction<'_>; 2],
     ) -> Option<LocatedOrbit> {
         // Value at a zero, as a fraction of those at the ends. Chosen, as for branches: at a jump
         // of the function it is about 1.

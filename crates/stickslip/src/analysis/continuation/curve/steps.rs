@@ -27,7 +27,7 @@ impl CurvePosition {
 }
 
 /// An end of the curve.
-pub(super) type CurveEnd = both_ways::CurveEnd<CurvePoint, CurveSpecialPoint>;
+pub(super) type CurveEnd = both_ways::CurveEndOf<CurvePoint, CurveSpecialPoint>;
 
 impl CurveContinuation<'_> {
     /// The orbit of the curve in the plane across a line at a place.

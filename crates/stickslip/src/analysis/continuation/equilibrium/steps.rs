@@ -3,9 +3,9 @@
 use nalgebra::Complex;
 
 use super::super::Stop;
-use super::super::crossings::{Crossing, Eigenvalue, MOST_HALVINGS, Spectra, Spectrum};
+use super::super::crossings::{Crossing, Eigenvalue, Eigenvalues, MOST_HALVINGS, Spectra};
 use super::super::sequence_changes::STEP_BEYOND;
-use super::super::stepping::{FIRST_STEP, Outcome, SHORTER, Stepping, follow};
+use super::super::stepping::{FIRST_STEP, SHORTER, StepOutcome, Stepping, follow};
 use super::super::tangent_line::LEAST_COSINE;
 use super::{
     BranchEquilibrium, EquilibriaOnLine, EquilibriumBifurcation, EquilibriumBranch,
@@ -20,7 +20,7 @@ use crate::dynamics::{Matrix, Vector};
 impl BranchEquilibrium {
     /// The eigenvalues, which rounding leaves uncertain: by that of the largest entry, and as much
     /// as a change of each entry by its rounding shows.
-    fn spectrum(&self) -> Spectrum {
+    fn spectrum(&self) -> Eigenvalues {
         let values = self.eigenvalues();
         let rounded = Matrix::from_fn(self.along.nrows(), self.along.ncols(), |i, j| {
             let sign = if (i + 2 * j) % 3 == 0 { -1.0 } else { 1.0 };
@@ -33,12 +33,12 @@ impl BranchEquilibrium {
             beyond: value.re,
             uncertainty: known.max(ROUNDING * largest),
         };
-        Spectrum(values.into_iter().zip(known).map(eigenvalue).collect())
+        Eigenvalues(values.into_iter().zip(known).map(eigenvalue).collect())
     }
 }
 
 impl Spectra for EquilibriaOnLine<'_> {
-    fn spectrum(&self, one: &BranchEquilibrium) -> Option<Spectrum> {
+    fn spectrum(&self, one: &BranchEquilibrium) -> Option<Eigenvalues> {
         Some(one.spectrum())
     }
 }
@@ -285,8 +285,8 @@ impl Stepping for EquilibriumSteps<'_> {
         is_enough.then_some(Stop::Points)
     }
 
-    fn take_step(&mut self, step: f64) -> Outcome<Stop> {
-        let shorter = Outcome::Shortened(SHORTER * step);
+    fn take_step(&mut self, step: f64) -> StepOutcome<Stop> {
+        let shorter = StepOutcome::Shortened(SHORTER * step);
         let line = &self.line;
         let Some((next, is_at_end)) = self.of.next(line, step) else {
             return shorter;
@@ -305,10 +305,10 @@ impl Stepping for EquilibriumSteps<'_> {
             .flatten();
         zeros.retain(|(zero, _)| closes.is_none_or(|s| zero.s < s));
         match self.record(zeros, length) {
-            Some(Err(stop)) => return Outcome::End(stop),
+            Some(Err(stop)) => return StepOutcome::End(stop),
             Some(Ok(behind)) => {
                 (self.last, self.line) = behind;
-                return Outcome::Elsewhere;
+                return StepOutcome::Elsewhere;
             }
             None => {}
         }
@@ -319,10 +319,10 @@ impl Stepping for EquilibriumSteps<'_> {
         };
         self.points.push(point);
         if closes.is_some() {
-            return Outcome::End(Stop::Closed);
+            return StepOutcome::End(Stop::Closed);
         }
         if is_at_end {
-            return Outcome::End(Stop::Range);
+            return StepOutcome::End(Stop::Range);
         }
         let units = self.of.units.iter_mut().zip(&next.at.x);
         for (size, own) in units.take(self.begin.1.len() - 1) {
@@ -330,7 +330,7 @@ impl Stepping for EquilibriumSteps<'_> {
         }
         let iterations = next.iterations;
         (self.last, self.line) = (next, onward);
-        Outcome::Found {
+        StepOutcome::Found {
             length: step,
             iterations,
         }
