@@ -719,6 +719,14 @@ class Contact(Symbol):
             raise ValueError(f"the contact {self.name} has no friction: give friction=…")
         return Expression(f"friction({self.name})", _ATOM, self.parts)
 
+    @property
+    def force(self) -> Expression:
+        """The friction force along an orbit, in stick too: for `observe` of a fit, not for rates.
+
+        The system has this contact alone.
+        """
+        return Expression(f"{self.name}.force", _ATOM, self.boundary.parts)
+
     def by_side(self, below: Any, above: Any) -> Expression:
         """`below` where the boundary function is negative, `above` where it is positive."""
         a, b = expression(below), expression(above)

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import pickle
 import subprocess
 
 import numpy as np
@@ -80,6 +81,27 @@ def test_branches_begin_at_special_orbits():
     plain = ss.continuation(system, p, (0.2, 2), transient=20)
     assert plain.branches == [] == plain.curves and plain.begins is None
     assert np.array_equal(plain.parameter, branch.parameter)
+
+
+def test_a_friction_force_is_fitted_as_by_the_program(tmp_path):
+    mu, fall = ss.parameters(mu=0.44, fall=1.1)
+    slip = v - 0.3
+    belt = ss.Contact("belt", slip, friction=lambda side: mu / (1 + fall * side * slip))
+    block = ss.System({x: v, v: -x - belt.friction}, contacts=[belt], start=[0.2, 0.9])
+    t = np.linspace(0.25, 9, 60)
+    sol = ss.solve_ivp(block.with_parameters(mu=0.5, fall=1.0), (0, 9), t_eval=t)
+    data = np.c_[t, sol.forces[0] + np.random.default_rng(2).normal(0, 0.01, t.size)]
+    np.savetxt(tmp_path / "data.csv", data, delimiter=",", header="t,f", comments="", fmt="%.17g")
+    assert pickle.loads(pickle.dumps(belt)).force.text == "belt.force"
+    found = ss.fit(block, {"t": data[:, 0], "f": data[:, 1]}, [mu, fall], {"f": belt.force})
+    assert np.allclose(found.x, [0.5, 1.0], rtol=0, atol=0.05)
+    run(tmp_path, block, "fit", "data.csv", "--fit", "mu,fall", "--observe", "f=belt.force")
+    assert [float(row["value"]) for row in table(tmp_path, "parameters")] == found.x.tolist()
+    with pytest.raises(ss.SystemError, match="known along an orbit alone"):
+        ss.solve_ivp(block, (0, 9), events=[belt.force - 0.3])
+    (other,) = ss.parameters(mu=0.9)
+    with pytest.raises(ValueError, match="mu is 0.44 in the system and 0.9 in the formula"):
+        ss.fit(block, {"t": t, "f": t}, [mu], {"f": other * belt.force})
 
 
 def test_tangent_points_are_those_of_the_program(tmp_path):
