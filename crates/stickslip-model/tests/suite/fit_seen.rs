@@ -2,9 +2,10 @@
 
 use stickslip::dynamics::Modes;
 use stickslip::math;
+use stickslip_model::file::SystemFile;
 use stickslip_model::study::fit::{Fit, SeenPhase, Unknown, fit};
 
-use super::fit::{noisy, observable, record, request, times, unknown};
+use super::fit::{exact, noisy, observable, record, request, times, unknown};
 use super::run::parsed;
 
 /// Kinetic and static friction, and the speed of the belt.
@@ -153,4 +154,75 @@ fn what_shows_no_phases_is_told() {
         let found = fitted(BLOCK, formula, column, &few, sigma);
         assert!(found.seen.is_empty(), "{formula}: {:?}", found.seen);
     }
+}
+
+/// Den Hartog's oscillator, and one with more friction than the bounds of the fit allow.
+#[test]
+fn a_stick_that_the_friction_of_the_model_cannot_give_is_told() {
+    let times = times(400, 0.1);
+    let model = SystemFile::open("den-hartog").unwrap();
+    let sticky = model.source.text.replace("value = 0.2", "value = 0.7");
+    for (formula, column) in [("x", 0), ("v", 1)] {
+        let [same, other] = [&model, &parsed(&sticky)].map(|file| {
+            let columns = exact(file, &["x", "v"], &times);
+            let unknowns = vec![Unknown {
+                bounds: (0.1, 0.3),
+                ..unknown("S", Some(0.2))
+            }];
+            let observables = vec![observable(formula, Some(0.004))];
+            let mut request = request(model.clone(), unknowns, observables);
+            let columns = noisy(&columns[column..=column], 0.004, 3);
+            request.records.push(record(&times, columns));
+            let found = fit(&request).unwrap();
+            let [seen] = &found.seen[..] else {
+                panic!("{formula}: {:?}", found.seen);
+            };
+            (seen.is_same(), seen.sticks())
+        });
+        assert_eq!(same, (true, [0, 0]), "{formula}");
+        assert!(
+            !other.0 && other.1[0] > 0 && other.1[1] == 0,
+            "{formula}: {other:?}"
+        );
+    }
+}
+
+/// Shipped systems at their own parameters, whose slips cross slowly or end slowly.
+#[test]
+fn noise_alone_is_no_other_sequence() {
+    let (mut shown, mut others) = (0, Vec::new());
+    for (name, friction, end) in [
+        ("belt", "mu0", 20.0),
+        ("den-hartog", "S", 40.0),
+        ("forced", "mu0", 6.0),
+        ("leine", "Fs", 40.0),
+    ] {
+        let file = SystemFile::open(name).unwrap();
+        let times = times(400, end / 400.0);
+        let curves = exact(&file, &["x", "v"], &times);
+        let columns = ["x", "v"].iter().zip(&curves);
+        let cases = columns.flat_map(|one| [1e-3, 3e-3, 1e-2, 5e-2].map(|part| (one, part)));
+        for (((formula, curve), part), seed) in
+            cases.flat_map(|case| (0..20).map(move |k| (case, k)))
+        {
+            let column = noisy(std::slice::from_ref(curve), part * spread(curve), seed);
+            let observables = vec![observable(formula, None)];
+            let mut request = request(file.clone(), vec![unknown(friction, None)], observables);
+            request.records.push(record(&times, column));
+            let found = fit(&request).unwrap();
+            shown += found.seen.len();
+            let other = found.seen.iter().find(|one| !one.is_same());
+            others.extend(other.map(|one| (name, *formula, part, letters(&one.data))));
+        }
+    }
+    assert!(
+        shown >= 300 && 100 * others.len() <= shown,
+        "{shown}: {others:?}"
+    );
+}
+
+fn spread(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares = values.iter().map(|x| (x - mean) * (x - mean));
+    (squares.sum::<f64>() / values.len() as f64).sqrt()
 }

@@ -1,5 +1,8 @@
 //! Quantiles, a test of residuals, and starts that fill a box.
 
+use std::f64::consts::PI;
+
+use numerics::SplitMix;
 use stickslip::math;
 
 /// Fewest residuals of each sign for the normal approximation of the test of runs (Siegel,
@@ -62,6 +65,12 @@ pub(super) fn above_squares(sum: f64, count: usize) -> f64 {
     let part = 2.0 / (9.0 * count as f64);
     let root = math::pow(sum / count as f64, 1.0 / 3.0);
     0.5 * math::erfc((root - 1.0 + part) / (2.0 * part).sqrt())
+}
+
+/// A normal deviate (Box and Muller, *Ann. Math. Stat.* 29 (1958) 610).
+pub(super) fn normal_deviate(random: &mut SplitMix) -> f64 {
+    let size = (-2.0 * math::ln(1.0 - random.uniform())).sqrt();
+    size * math::cos(2.0 * PI * random.uniform())
 }
 
 /// The quantile 0.975 of Student's distribution (Abramowitz and Stegun 26.7.5; below 1e-3 from
