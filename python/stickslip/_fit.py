@@ -238,8 +238,9 @@ class FitResult(Result):
         That end in words.
     work : (int, int, int)
         Steps, runs, and runs that failed.
-    changes : (int, int)
-        Steps that changed the sequence of phases, and changes at which the residuals jump.
+    changes : (int, int, int)
+        Steps that changed the sequence of phases, changes at which the residuals jump, and grazing
+        impacts between start and result, at which the residuals have a square root.
     others : list of (list of float, float)
         Further minima of a search, with their costs.
     """
@@ -273,7 +274,7 @@ class FitResult(Result):
     end: str
     ending: str
     work: tuple[int, int, int]
-    changes: tuple[int, int]
+    changes: tuple[int, int, int]
     others: list[tuple[list[float], float]]
     system: System
 
@@ -348,10 +349,11 @@ class FitResult(Result):
         steps, runs, failed = self.work
         rows.append(f"  {self.ending}: {steps} steps, {runs} runs, {failed} of which failed")
         if any(self.changes):
-            crossings, jumps = self.changes
+            crossings, jumps, grazes = self.changes
+            roots = f"; grazing impacts, at which they have a square root: {grazes}"
             rows.append(
                 f"  the sequence of phases changed in {crossings} steps; the residuals jumped at "
-                f"{jumps} changes"
+                f"{jumps} changes{roots if grazes else ''}"
             )
         if self.mismatch is not None:
             rows.append(

@@ -118,12 +118,13 @@ def test_a_fit_prints_what_the_program_prints():
     assert ", no minimum:" in told and "not converged: " in told
     assert not found.doubtful and "doubtful" not in told and "mismatch" not in told
     more = {"no_errors": None, "bend": 0.42, "doubtful": True, "mismatch": 2e-3}
-    found = replace(found, **more, changes=(2, 1), others=[([0.4, 0.9], 3.0)])
+    found = replace(found, **more, changes=(2, 1, 3), others=[([0.4, 0.9], 3.0)])
     told = repr(found)
     for words in (
         "errors doubtful: within one of them the model departs from a linear one by 42 %",
         "another minimum: mu = 0.4, fall = 0.9, cost 3.0000e+00",
-        "changed in 2 steps; the residuals jumped at 1 changes",
+        "changed in 2 steps; the residuals jumped at 1 changes; grazing impacts",
+        "at which they have a square root: 3",
         "mismatch 2e-03 of the spread",
     ):
         assert words in told, told

@@ -14,6 +14,7 @@ mod expression_derivatives;
 mod extremes;
 mod families;
 mod fit;
+mod fit_grazes;
 mod fit_seen;
 mod forces;
 mod friction;

@@ -201,7 +201,7 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
     fields.put("end", format!("{:?}", fit.end).to_lowercase())?;
     fields.put("ending", ending(fit.end))?;
     fields.put("work", (fit.steps, fit.evaluations, fit.failures))?;
-    fields.put("changes", (fit.crossings, fit.jumps))?;
+    fields.put("changes", (fit.crossings, fit.jumps, fit.grazes))?;
     let others = fit.others.iter().map(|one| (one.values.clone(), one.cost));
     fields.texts("others", others)?;
     Ok(fields)

@@ -210,8 +210,12 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
     );
     report.line("search", work);
     if found.crossings + found.jumps > 0 {
+        let roots = match found.grazes {
+            0 => String::new(),
+            grazes => format!("; grazing impacts, at which they have a square root: {grazes}"),
+        };
         let words = format!(
-            "the sequence of phases changed in {} steps; the residuals jumped at {} changes",
+            "the sequence of phases changed in {} steps; the residuals jumped at {} changes{roots}",
             found.crossings, found.jumps
         );
         report.line("", words);
@@ -225,6 +229,7 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
         "failures": found.failures,
         "crossings": found.crossings,
         "jumps": found.jumps,
+        "grazes": found.grazes,
     }));
     if let Some(mismatch) = found.mismatch {
         let words = format!(

@@ -3,6 +3,7 @@
 mod crossing;
 mod directions;
 mod errors;
+mod grazes;
 mod noise;
 mod parts;
 mod problem;
@@ -205,6 +206,9 @@ pub struct Fit {
     pub crossings: usize,
     /// Changes of the sequence at which the residuals jump.
     pub jumps: usize,
+    /// Grazing impacts on the straight way from the start to the result, at which the residuals
+    /// have a square root.
+    pub grazes: usize,
     /// Further minima, by rising cost.
     pub others: Vec<OtherMinimum>,
 }

@@ -59,6 +59,10 @@ impl FitProblem<'_> {
             }
         });
         let records = self.request.records.iter();
+        let grazes = match work.crossings {
+            0 => 0,
+            _ => self.grazes(&self.unknowns.start(), &best.x),
+        };
         Ok(Fit {
             values: values.collect(),
             columns,
@@ -74,6 +78,7 @@ impl FitProblem<'_> {
             failures: work.failures,
             crossings: work.crossings,
             jumps: work.jumps,
+            grazes,
             others,
             uncertainty,
         })
