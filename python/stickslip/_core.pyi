@@ -146,6 +146,7 @@ def fit(
             Sequence[tuple[str, float]],
             Sequence[tuple[str, float]],
             float | None,
+            Sequence[tuple[str, Sequence[float], Sequence[float]]],
         ]
     ],
     observables: Sequence[tuple[str, str, float | None]],

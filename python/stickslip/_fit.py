@@ -26,7 +26,7 @@ from ._arguments import (
 from ._errors import SolverWarning
 from ._plot import COLOURS, new_axes, several_axes
 from ._results import Result, call_engine, make_result
-from ._symbols import Expression, Parameter, State, expression, number, whole
+from ._symbols import Expression, Input, Parameter, State, expression, number, whole
 from ._system import System
 
 #: Names of the column of times.
@@ -48,16 +48,20 @@ class Record:
         Start values of states in this record: by state, or of all in their order.
     t0 : float, optional
         Time of the start; default as in the system, or 0.
+    inputs : dict, optional
+        Points ``(times, values)`` of inputs in this record, by input or its name. The system has
+        these inputs as a `table`.
     """
 
     data: Any
     parameters: Mapping[Any, float] = field(default_factory=dict)
     y0: Mapping[Any, float] | ArrayLike = field(default_factory=dict)
     t0: float | None = None
+    inputs: Mapping[Any, tuple[ArrayLike, ArrayLike]] = field(default_factory=dict)
 
 
 def _name(one: Any) -> str:
-    if isinstance(one, (str, Parameter, State)):
+    if isinstance(one, (str, Parameter, State, Input)):
         return one if isinstance(one, str) else one.name
     raise TypeError(
         f"fit: {one!r} is neither a parameter, nor a state, nor the name of one; the start time is "
@@ -89,6 +93,19 @@ def _starts(system: System, y0: Any) -> list[tuple[str, float]]:
         complete(system, values, "y0")
         return list(zip(system.states, values.tolist()))
     return _pairs(given, "y0", example)
+
+
+def _inputs(given: Any) -> list[tuple[str, list[float], list[float]]]:
+    """Names and points of the tables of a record."""
+    found = []
+    for name, points in _named(given, "inputs", '"u": (times, values)').items():
+        try:
+            times, values = points
+        except (TypeError, ValueError):
+            raise TypeError(f"inputs[{name}] must be (times, values), not {points!r}") from None
+        times, values = (array(one, f"inputs[{name}]").tolist() for one in (times, values))
+        found.append((name, times, values))
+    return found
 
 
 def _bounds(given: Any, name: str) -> tuple[float, float]:
@@ -549,6 +566,7 @@ def fit(
                 _pairs(record.parameters, "parameters", '"mu": 0.5'),
                 _starts(system, record.y0),
                 None if record.t0 is None else number(record.t0, "t0"),
+                _inputs(record.inputs),
             )
         )
     how = (

@@ -146,6 +146,27 @@ def test_values_at_impacts_have_no_standard_error_and_the_event_is_named():
     assert "the event `bounce` at " in repr(found)
 
 
+def test_a_record_has_an_input_of_its_own():
+    gain, = ss.parameters(gain=1.0)  # fmt: skip
+    u = ss.table("u", [0, 4], [1, 1])
+    integrator = ss.System({x: gain * u}, start=[0])
+    t = np.array([1.0, 2.0, 4.0])
+    one, two = {"t": t, "x": 3 * t}, {"t": t, "x": 6 * t}
+    for key in (u, "u"):
+        own = ss.Record(two, inputs={key: ([0, 4], [2, 2])})
+        found = ss.fit(integrator, [one, own], [gain], {"x": x}, sigma=0.01)
+        assert abs(found["gain"] - 3) < 1e-9 and found.cost < 1e-9
+    for inputs, error, said in [
+        ({"w": ([0, 4], [2, 2])}, ss.SystemError, "there is no input `w`"),
+        ({"u": ([0, 4], [2])}, ss.SystemError, "2 times and 1 values"),
+        ({"u": 3}, TypeError, r"inputs\[u\] must be \(times, values\), not 3"),
+        ({"u": ([0, 4], [0, np.nan])}, ValueError, r"inputs\[u\]"),
+        ([3], TypeError, "inputs must be a dict"),
+    ]:
+        with pytest.raises(error, match=said):
+            ss.fit(integrator, ss.Record(two, inputs=inputs), [gain], {"x": x})
+
+
 def test_what_cannot_be_fitted_is_refused():
     data = record(seed=1)
     for given, said in [

@@ -322,7 +322,7 @@ fn jumps_and_inputs(report: &mut Report, system: &System) {
                     }),
                 )
             }
-            InputShape::Table(pieces) => {
+            InputShape::Table { pieces, .. } => {
                 let points = pieces.len() - 1;
                 let line = format!("{name}: a table of {points} points in time");
                 (line, json!({ "name": name, "points": points }))

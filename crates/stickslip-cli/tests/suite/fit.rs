@@ -194,6 +194,54 @@ fn several_records_have_files_of_their_own() {
     }
 }
 
+/// Two records of an integrator with the rates 1 and 2: only their own inputs fit both.
+#[test]
+fn a_record_has_an_input_from_a_file() {
+    let top = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(top.path().join(name), text).unwrap();
+    write(
+        "integrator.toml",
+        "name = \"integrator\"\n[states]\nx = \"\"\n[parameters]\ngain = 1\n[inputs.u]\n\
+         shape = \"table\"\ntimes = [0, 4]\nvalues = [1, 1]\n[field]\nx = \"gain*u\"\n\
+         [start]\nx = 0\n",
+    );
+    write("one.csv", "t,x\n1,3\n2,6\n4,12\n");
+    write("two.csv", "t,x\n1,6\n2,12\n4,24\n");
+    write("drive.csv", "t;u\n0;2\n4;2\n");
+    let arguments = |input: &'static str| {
+        let mut all = vec![
+            "fit",
+            "integrator.toml",
+            "one.csv",
+            "two.csv",
+            "--fit",
+            "gain",
+        ];
+        all.extend([
+            "--observe",
+            "x",
+            "--sigma",
+            "0.01",
+            "--json",
+            "--input-in",
+            input,
+        ]);
+        program(top.path()).args(all).assert()
+    };
+    let done = arguments("2:u=drive.csv").success();
+    let told: serde_json::Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
+    let gain = told["values"][0]["value"].as_f64().unwrap();
+    assert!((gain - 3.0).abs() < 1e-9, "{told}");
+    for (input, said) in [
+        ("2:u", "an input, `=` and a file are expected"),
+        ("3:u=drive.csv", "a record from 1 to 2 stands in front"),
+        ("2:w=drive.csv", "there is no input `w`"),
+        ("2:u=none.csv", "its path begins in the working folder"),
+    ] {
+        arguments(input).code(2).stderr(contains(said));
+    }
+}
+
 #[test]
 fn what_is_wrong_is_told_with_the_remedy() {
     let top = folder();

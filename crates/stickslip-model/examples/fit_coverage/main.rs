@@ -232,6 +232,7 @@ impl Case {
                 set: Vec::new(),
                 start: Vec::new(),
                 t_start: None,
+                inputs: Vec::new(),
             }],
             unknowns: Vec::new(),
             loss: Loss::Squares,

@@ -486,7 +486,7 @@ pub(super) fn switching(
                     }
                 }
                 InputShape::Periodic { pieces, .. } => Shape::Repeated(pieces.clone()),
-                InputShape::Table(pieces) => Shape::Once(pieces.clone()),
+                InputShape::Table { pieces, .. } => Shape::Once(pieces.clone()),
                 InputShape::Switch(_) => Shape::Sign,
             },
             width: held_width,

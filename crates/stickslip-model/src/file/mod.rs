@@ -79,6 +79,7 @@ pub use names::{Meaning, Names, did_you_mean};
 pub use observe::{FreeStarts, Observed};
 pub use problem::{Problem, Source};
 pub use reactions::Quantities;
+pub use switching::table_points;
 pub use system::{PeriodError, SettingError, System};
 
 use template::Checked;
@@ -309,7 +310,12 @@ pub enum InputShape {
         phase: Option<Box<Formula>>,
     },
     /// Interpolation of points in time.
-    Table(Vec<InputPiece>),
+    Table {
+        /// The pieces, the first of which has no begin.
+        pieces: Vec<InputPiece>,
+        /// Whether a line joins two points; else the value of the first lasts.
+        is_linear: bool,
+    },
     /// The sign of a function of time.
     Switch(Formula),
 }

@@ -176,7 +176,7 @@ impl System {
             .inputs
             .iter()
             .filter_map(|input| match &input.shape {
-                super::InputShape::Table(pieces) => Some(pieces),
+                super::InputShape::Table { pieces, .. } => Some(pieces),
                 _ => None,
             });
         tables

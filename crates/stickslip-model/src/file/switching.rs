@@ -2,17 +2,79 @@
 
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
 
 use super::names::{Meaning, Names, did_you_mean};
 use super::problem::{Problem, Source};
 use super::table::{Entry, Table, listed};
-use super::{InputEntry, InputShape, JumpEntry, StateEntry};
+use super::{FileError, InputEntry, InputShape, JumpEntry, StateEntry, SystemFile};
 use crate::kernel::{InputPiece, pulse};
 use crate::text_table::{TableError, TextTable};
 
 /// The periodic shapes and their pieces over one period.
 const SHAPES: [&str; 5] = ["square", "triangle", "sawtooth", "pulse", "table"];
+
+/// The columns of a table.
+const POINT: [&str; 2] = ["time", "value"];
+
+/// The points of a table in a file: times and values, as a file of a system reads them.
+///
+/// # Errors
+/// [`FileError::Wrong`] for a file that cannot be read, or that has no rows of two numbers.
+pub fn table_points(path: &str) -> Result<(Vec<f64>, Vec<f64>), FileError> {
+    let from = (PathBuf::from(path), "in the working folder");
+    let source = Source {
+        name: "table".to_owned(),
+        text: path.to_owned(),
+    };
+    rows(from, POINT, false, 0..path.len()).map_err(|problem| FileError::wrong(problem, source))
+}
+
+impl SystemFile {
+    /// The file with other points in the table of an input. Messages call the points by `of`.
+    ///
+    /// # Errors
+    /// [`FileError::Wrong`] for a name that is no table, a point that is not finite, and what a
+    /// table of a file is refused for.
+    pub fn with_table(
+        &self,
+        name: &str,
+        (times, values): (&[f64], &[f64]),
+        of: &str,
+    ) -> Result<SystemFile, FileError> {
+        let place = 0..name.len();
+        let wrong = |problem| {
+            let source = Source {
+                name: of.to_owned(),
+                text: name.to_owned(),
+            };
+            FileError::wrong(problem, source)
+        };
+        let mut file = self.clone();
+        let number = match file.names.get(name) {
+            Some(Meaning::Input(number)) => Some(number),
+            _ => None,
+        };
+        let entry = number.and_then(|number| file.inputs.get_mut(number));
+        let Some(InputEntry { shape, .. }) = entry else {
+            let problem = Problem::new(format!("there is no input `{name}`"), place);
+            return Err(wrong(
+                problem.help("it is one of [inputs], with shape = \"table\""),
+            ));
+        };
+        let InputShape::Table { is_linear, .. } = *shape else {
+            let problem = Problem::new(format!("the input `{name}` is no table"), place);
+            return Err(wrong(problem.help("give it shape = \"table\" in [inputs]")));
+        };
+        if let Some(point) = times.iter().chain(values).find(|point| !point.is_finite()) {
+            let problem = Problem::new(format!("a point of the table has {point}"), place);
+            return Err(wrong(problem.help("times and values are finite")));
+        }
+        *shape = interpolated(times, values, is_linear, place).map_err(wrong)?;
+        Ok(file)
+    }
+}
 
 /// Discrete states, which change only in jumps.
 pub(super) fn discrete(
@@ -163,7 +225,7 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     let (times, values, place) = match (table.get("file"), table.get("times"), table.get("values"))
     {
         (Some(file), None, None) => {
-            let (times, values) = from_file(source, file, ["time", "value"], false)?;
+            let (times, values) = from_file(source, file, POINT, false)?;
             (times, values, file.place())
         }
         (None, Some(times), Some(values)) => (times.list()?, values.list()?, times.place()),
@@ -175,6 +237,28 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
             );
         }
     };
+    let between = table.get("between");
+    let is_linear = match between
+        .map(|entry| Ok((entry.text()?, entry)))
+        .transpose()?
+    {
+        None | Some(("linear", _)) => true,
+        Some(("constant", _)) => false,
+        Some((other, entry)) => {
+            let message = format!("between points a table cannot be `{other}`");
+            return Err(Problem::new(message, entry.place()).help("it is linear or constant"));
+        }
+    };
+    interpolated(&times, &values, is_linear, place)
+}
+
+/// Points in time with a line between two of them, or with the value of the first.
+fn interpolated(
+    times: &[f64],
+    values: &[f64],
+    is_linear: bool,
+    place: Range<usize>,
+) -> Result<InputShape, Problem> {
     if times.len() != values.len() {
         let message = format!("{} times and {} values", times.len(), values.len());
         return Err(Problem::new(message, place).help("each time has its value"));
@@ -198,18 +282,6 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
             "times rise; two points at one time are a step, from the first value to the second",
         ));
     }
-    let between = table.get("between");
-    let is_linear = match between
-        .map(|entry| Ok((entry.text()?, entry)))
-        .transpose()?
-    {
-        None | Some(("linear", _)) => true,
-        Some(("constant", _)) => false,
-        Some((other, entry)) => {
-            let message = format!("between points a table cannot be `{other}`");
-            return Err(Problem::new(message, entry.place()).help("it is linear or constant"));
-        }
-    };
     // The input is constant before the first point and after the last.
     let first = InputPiece {
         from: f64::NEG_INFINITY,
@@ -226,7 +298,10 @@ fn points(source: &Source, table: &Table<'_>) -> Result<InputShape, Problem> {
     };
     let parts = (0..times.len()).filter(|&k| times.get(k + 1) != Some(&times[k]));
     let pieces = std::iter::once(first).chain(parts.map(part));
-    Ok(InputShape::Table(pieces.collect()))
+    Ok(InputShape::Table {
+        pieces: pieces.collect(),
+        is_linear,
+    })
 }
 
 /// The first two columns of a file, relative to the system's file. Messages call them by these
@@ -237,13 +312,22 @@ pub(super) fn from_file(
     columns: [&str; 2],
     are_alone: bool,
 ) -> Result<(Vec<f64>, Vec<f64>), Problem> {
-    let name = entry.text()?;
     let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
-    let path = folder.join(name);
-    let wrong = |message: String| Problem::new(message, entry.place());
+    let path = (folder.join(entry.text()?), "in the folder of this file");
+    rows(path, columns, are_alone, entry.place())
+}
+
+/// The rows of [`from_file`], from a path that begins in the folder of these words.
+fn rows(
+    (path, begins): (PathBuf, &str),
+    columns: [&str; 2],
+    are_alone: bool,
+    place: Range<usize>,
+) -> Result<(Vec<f64>, Vec<f64>), Problem> {
+    let wrong = |message: String| Problem::new(message, place.clone());
     let file = File::open(&path).map_err(|error| {
         wrong(format!("cannot read {}: {error}", path.display()))
-            .help("its path begins in the folder of this file")
+            .help(format!("its path begins {begins}"))
     })?;
     let input = path.display().to_string();
     let refused = |error: TableError| wrong(error.to_string());

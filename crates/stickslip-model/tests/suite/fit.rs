@@ -97,6 +97,7 @@ pub fn record(times: &[f64], columns: Vec<Vec<f64>>) -> Record {
         set: Vec::new(),
         start: Vec::new(),
         t_start: None,
+        inputs: Vec::new(),
     }
 }
 

@@ -15,6 +15,7 @@ mod extremes;
 mod families;
 mod fit;
 mod fit_grazes;
+mod fit_inputs;
 mod fit_seen;
 mod forces;
 mod friction;

@@ -15,13 +15,14 @@ use crate::fields::Fields;
 use crate::task::{ProgressKind, computed};
 use crate::{Settings, System};
 
-/// Times, columns, parameters and starts of one record, and its start time.
+/// Times, columns, parameters and starts of one record, its start time, and tables of its inputs.
 type RecordOf = (
     Vec<f64>,
     Vec<Vec<f64>>,
     Vec<(String, f64)>,
     Vec<(String, f64)>,
     Option<f64>,
+    Vec<(String, Vec<f64>, Vec<f64>)>,
 );
 
 /// Fits unknowns, each a name, a start, two bounds and whether each record has its own, to records
@@ -73,14 +74,17 @@ pub(crate) fn fit<'py>(
             })
             .collect(),
         records: records
-            .map(|(k, (times, columns, set, start, t_start))| Record {
-                name: format!("record {}", k + 1),
-                times,
-                columns,
-                set,
-                start,
-                t_start,
-            })
+            .map(
+                |(k, (times, columns, set, start, t_start, inputs))| Record {
+                    name: format!("record {}", k + 1),
+                    times,
+                    columns,
+                    set,
+                    start,
+                    t_start,
+                    inputs,
+                },
+            )
             .collect(),
         unknowns: unknowns
             .map(|(name, start, low, high, each)| Unknown {

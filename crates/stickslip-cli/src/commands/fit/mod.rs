@@ -58,6 +58,11 @@ pub(super) struct Arguments {
     /// The start value of a state in one record, by the number of its file; can be repeated
     #[arg(long, value_name = "RECORD:STATE=VALUE")]
     start_in: Vec<String>,
+    /// The table of an input in one record, from a file: 2:u=drive.csv; can be repeated
+    ///
+    /// The first two columns are times and values, as in a table of the system's file.
+    #[arg(long, value_name = "RECORD:INPUT=FILE")]
+    input_in: Vec<String>,
     /// The column of times; default t or time, else the first
     #[arg(long, value_name = "COLUMN")]
     time: Option<String>,

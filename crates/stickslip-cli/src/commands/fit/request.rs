@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use stickslip::Options;
 use stickslip::analysis::Loss;
 use stickslip_model::expression::normal;
-use stickslip_model::file::{System, number};
+use stickslip_model::file::{System, number, table_points};
 use stickslip_model::study::fit::{FitRequest, Observable, Record, Unknown};
 
 use super::Arguments;
@@ -82,12 +82,13 @@ fn bounds(given: &[String]) -> Result<HashMap<String, (f64, f64)>, Failure> {
 }
 
 /// Assignments to one record, by its number from 1.
-fn of_records(
+fn of_records<T>(
     option: &str,
     given: &[String],
     count: usize,
-) -> Result<Vec<Vec<(String, f64)>>, Failure> {
-    let mut all = vec![Vec::new(); count];
+    assigned: impl Fn(&str) -> Result<T, Failure>,
+) -> Result<Vec<Vec<T>>, Failure> {
+    let mut all: Vec<Vec<T>> = (0..count).map(|_| Vec::new()).collect();
     for text in given {
         let record = text.split_once(':').and_then(|(record, rest)| {
             let record = record.trim().parse::<usize>().ok()?.checked_sub(1)?;
@@ -99,9 +100,19 @@ fn of_records(
             let why = format!("a record from 1 to {count} stands in front, as in 1:{rest}");
             return Err(wrong(option, text, &why));
         };
-        record.push(assignment(option, rest)?);
+        record.push(assigned(rest)?);
     }
     Ok(all)
+}
+
+/// An input and the points of its table, from a file.
+fn table(text: &str) -> Result<(String, Vec<f64>, Vec<f64>), Failure> {
+    let (name, path) = text.split_once('=').ok_or_else(|| {
+        let why = "an input, `=` and a file are expected, as in 2:u=drive.csv";
+        wrong("--input-in", text, why)
+    })?;
+    let (times, values) = table_points(path.trim())?;
+    Ok((name.trim().to_owned(), times, values))
 }
 
 pub(super) fn wanted(
@@ -174,13 +185,18 @@ pub(super) fn wanted(
         .map(|text| assignment("--extra", text));
     let extra = extra.collect::<Result<Vec<_>, _>>()?;
     let count = arguments.data.len();
-    let set_in = of_records("--set-in", &arguments.set_in, count)?;
-    let start_in = of_records("--start-in", &arguments.start_in, count)?;
+    let values = |option: &str, given: &[String]| {
+        of_records(option, given, count, |text| assignment(option, text))
+    };
+    let set_in = values("--set-in", &arguments.set_in)?;
+    let start_in = values("--start-in", &arguments.start_in)?;
+    let input_in = of_records("--input-in", &arguments.input_in, count, table)?;
     let columns: Vec<&str> = observables.iter().map(|one| &*one.name).collect();
     let common = arguments.run.start.assignments()?;
     let mut notes = Vec::new();
     let mut records = Vec::new();
-    for ((path, set), start) in arguments.data.iter().zip(set_in).zip(start_in) {
+    let own = set_in.into_iter().zip(start_in).zip(input_in);
+    for (path, ((set, start), inputs)) in arguments.data.iter().zip(own) {
         let read = read_record(path, &columns, arguments.time.as_deref())?;
         notes.extend(read.notes.iter().map(|line| format!("{path}: {line}")));
         let is_own = |name: &str| start.iter().any(|(own, _)| normal(own) == normal(name));
@@ -192,6 +208,7 @@ pub(super) fn wanted(
             set,
             start: others.chain(&start).cloned().collect(),
             t_start: arguments.run.start.time(),
+            inputs,
         });
     }
     let parameters = system.file.parameters.iter().zip(&system.values);

@@ -18,7 +18,7 @@ impl Builder<'_> {
         let value = self.graph.state(held);
         let pieces = match &entry.shape {
             InputShape::Switch(_) => return Ok(value),
-            InputShape::Periodic { pieces, .. } | InputShape::Table(pieces) => pieces,
+            InputShape::Periodic { pieces, .. } | InputShape::Table { pieces, .. } => pieces,
         };
         if pieces.iter().all(|piece| piece.slope == 0.0) {
             return Ok(value);
@@ -34,7 +34,7 @@ impl Builder<'_> {
         let time = self.graph.time();
         let (period, phase) = match &entry.shape {
             InputShape::Switch(function) => return self.formula(function),
-            InputShape::Table(_) => return Ok(time),
+            InputShape::Table { .. } => return Ok(time),
             InputShape::Periodic { period, phase, .. } => (self.of_input(period, "period")?, phase),
         };
         let made = self.graph.binary(Binary::Quotient, time, period);

@@ -63,6 +63,8 @@ pub struct Record {
     pub start: Vec<(String, f64)>,
     /// Time of the start; default as in the file.
     pub t_start: Option<f64>,
+    /// Times and values of tables of inputs in this record alone.
+    pub inputs: Vec<(String, Vec<f64>, Vec<f64>)>,
 }
 
 /// A parameter, a state for its start value, or `t0` for the time of the start.

@@ -223,5 +223,6 @@ fn part_of(record: &Record, rows: std::ops::Range<usize>) -> Record {
             Some(_) => Vec::new(),
         },
         t_start: before.or(record.t_start),
+        inputs: record.inputs.clone(),
     }
 }

@@ -13,7 +13,7 @@ use super::statistics::spread;
 use super::unknowns::Unknowns;
 use super::{FitError, FitRequest, Modelled, Record};
 use crate::expression::normal;
-use crate::file::{Observed, System};
+use crate::file::{FileError, Observed, System, SystemFile};
 
 /// Modes of the phases of each record.
 pub(super) type Sequence = Vec<Vec<Modes>>;
@@ -22,7 +22,7 @@ pub(super) type Sequence = Vec<Vec<Modes>>;
 pub(super) struct FitProblem<'r> {
     pub(super) request: &'r FitRequest,
     /// The system with the parameters of the observables and the values of the file. The systems of
-    /// records share its build.
+    /// records without inputs of their own share its build.
     pub(super) base: Arc<System>,
     pub(super) unknowns: Unknowns,
     /// Records, or their parts in order.
@@ -35,11 +35,9 @@ pub(super) struct FitProblem<'r> {
 impl<'r> FitProblem<'r> {
     pub(super) fn new(request: &'r FitRequest) -> Result<Self, FitError> {
         check(request)?;
-        let further = request.extra.iter();
-        let further: Vec<(&str, f64)> = further.map(|(name, value)| (&**name, *value)).collect();
         let mut problem = FitProblem {
             request,
-            base: Arc::new(request.file.with_parameters(&further)?.with(&[])?),
+            base: Arc::new(observed_file(request)?.with(&[])?),
             unknowns: Unknowns::default(),
             records: Vec::new(),
             parts: None,
@@ -84,7 +82,15 @@ impl<'r> FitProblem<'r> {
         let common = self.request.set.iter().filter(|(name, _)| !is_own(name));
         let settings = common.chain(&record.set);
         let settings: Vec<(&str, f64)> = settings.map(|(name, value)| (&**name, *value)).collect();
-        let system = self.base.with_values(&settings)?;
+        let mut own = None;
+        for (name, times, values) in &record.inputs {
+            let file = own.map_or_else(|| observed_file(self.request), Ok)?;
+            own = Some(file.with_table(name, (times, values), &record.name)?);
+        }
+        let system = match own {
+            Some(file) => file.with(&[])?.with_values(&settings)?,
+            None => self.base.with_values(&settings)?,
+        };
         Ok(match &self.request.interrupt {
             Some(interrupt) => system.interrupted_by(interrupt.clone())?,
             None => system,
@@ -277,6 +283,13 @@ impl<'r> FitProblem<'r> {
         }
         Ok(all)
     }
+}
+
+/// The file with the parameters of the observables.
+fn observed_file(request: &FitRequest) -> Result<SystemFile, FileError> {
+    let further = request.extra.iter();
+    let further: Vec<(&str, f64)> = further.map(|(name, value)| (&**name, *value)).collect();
+    request.file.with_parameters(&further)
 }
 
 /// Refuses settings that no fit can have.
