@@ -94,42 +94,41 @@ impl Graph {
         Ok(derivatives[root.index()])
     }
 
-    /// Whether a number multiplies one of these states by a factor: its slope along it is held, and
-    /// neither 0, 1 nor −1. A condition may choose it.
+    /// Whether a number, set as a state, has a continuum of neighbours: its slope along one of
+    /// these states is a factor. A slope that is held is one if it is neither 0, 1 nor −1. Another
+    /// one is if the number is a curved function of that state, or a product with the state that
+    /// is set. A condition may choose it.
     ///
     /// # Errors
     /// As [`Graph::along`].
     pub fn multiplies(
         &mut self,
-        root: Id,
+        (set, root): (usize, Id),
         states: impl Iterator<Item = usize>,
     ) -> Result<bool, NotANumber> {
         let one = self.constant(1.0)?;
         for state in states {
             let along = |input| (input == GraphInput::State(state)).then_some(one);
-            let slope = self.along(root, along)?;
-            if slope.and_then(|slope| self.is_factor(slope)) == Some(true) {
+            if let Some(slope) = self.along(root, along)?
+                && self.is_factor(slope, (state, state == set))
+            {
                 return Ok(true);
             }
         }
         Ok(false)
     }
 
-    /// Whether a slope that is held in each case is neither 0, 1 nor −1 in some; `None` if it is
-    /// not held.
-    fn is_factor(&self, id: Id) -> Option<bool> {
+    /// Whether a slope along a state, which may be the one that is set, is a factor in some case.
+    fn is_factor(&self, id: Id, (state, is_own): (usize, bool)) -> bool {
         if self.is_held(id) {
             let size = self.value(id).map(f64::abs);
-            return Some(size != Some(0.0) && size != Some(1.0));
+            return size != Some(0.0) && size != Some(1.0);
         }
+        let of = |id: Id| self.is_factor(id, (state, is_own));
         match self.node(id) {
-            Node::Negative(a) | Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => {
-                self.is_factor(a)
-            }
-            Node::Sum(a, b) | Node::Difference(a, b) => {
-                Some(self.is_factor(a)? | self.is_factor(b)?)
-            }
-            _ => None,
+            Node::Negative(a) | Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => of(a),
+            Node::Sum(a, b) | Node::Difference(a, b) => of(a) || of(b),
+            _ => is_own || self.depends_on_states(id, |of| of == state),
         }
     }
 

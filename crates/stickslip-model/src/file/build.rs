@@ -509,8 +509,8 @@ fn constant_between_jumps(file: &SystemFile) -> Vec<bool> {
 }
 
 /// The states that jumps set to isolated values: to expressions of constants and such states, of
-/// which a condition may choose one. A state that is multiplied by a factor has a continuum of
-/// neighbours instead, which approach it or part.
+/// which a condition may choose one. A state that is multiplied by a factor, or set to a curved
+/// function of its value, has a continuum of neighbours instead, which approach it or part.
 fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool> {
     let mut discrete = constant_between_jumps(file);
     loop {
@@ -520,7 +520,7 @@ fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool>
                 && sets.iter().any(|set| {
                     let others = (0..discrete.len()).filter(|&other| discrete[other]);
                     !graph.is_isolated_from(set[state], varies)
-                        || graph.multiplies(set[state], others).unwrap_or(false)
+                        || graph.multiplies((state, set[state]), others).unwrap_or(false)
                 })
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {

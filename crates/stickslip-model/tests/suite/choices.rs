@@ -1,5 +1,6 @@
 //! Choices at jumps, and the functions that others make up.
 
+use stickslip::analysis::PeriodicOrbit;
 use stickslip::{Error, math};
 use stickslip_model::file::{Source, SystemFile};
 use stickslip_model::study::Variables;
@@ -102,14 +103,64 @@ fn a_state_that_is_multiplied_has_neighbours_and_a_multiplier() {
         "abs(n - 2)",
         "max(n, 3)",
         "if(n > 1, -n, n)",
-        "n*n",
-        "1/n",
-        "1 + 2.5*n - 1.5*n^2",
+        "if(n > 1, if(n > 2, 0, -abs(n)), min(n + 1, 5))",
     ] {
         assert!(counted(set), "{set}");
     }
-    for set in ["2*n", "n + n", "n/3", "if(n > 1, 0.5*n, n)"] {
+    for set in [
+        "2*n",
+        "n + n",
+        "n/3",
+        "if(n > 1, 0.5*n, n)",
+        "n*n",
+        "1/n",
+        "1 + 2.5*n - 1.5*n^2",
+        "if(n > 1, n, sin(n))",
+    ] {
         assert!(!counted(set), "{set}");
+    }
+}
+
+/// The map `-(1 + p) u + u^3`, once a period. From zero, which attracts for `p < 0`, an orbit
+/// between `+-sqrt(p)` branches off, whose multiplier is the product of two slopes `2 p - 1`.
+pub const FLIP: &str = r#"
+name = "flip map"
+[time]
+period = 1
+[states]
+x = ""
+[discrete]
+u = 0.2
+[parameters]
+p = 0.1
+[jumps.map]
+when = "sin(2*pi*t + 1)"
+direction = "rising"
+set = { u = "-(1 + p)*u + u^3" }
+[field]
+x = "u - x"
+[start]
+x = 0.1
+"#;
+
+#[test]
+fn a_state_that_jumps_map_has_the_multiplier_of_its_map() {
+    let decay = math::exp(-1.0);
+    for p in [0.1, 0.3] {
+        let doubled = crate::run::with(FLIP, &[("p", p)]);
+        let found = orbit(&doubled, &options("taylor"));
+        let u = found.x[1].abs();
+        assert!((u - f64::sqrt(p)).abs() < 1e-12, "{p}: {u}");
+        assert_eq!(found.period, 2.0);
+        let has = |found: &PeriodicOrbit, wanted: [f64; 2]| {
+            let multipliers = real_multipliers(found);
+            let near = |one: &f64| multipliers.iter().any(|found| (found - one).abs() < 1e-9);
+            assert!(wanted.iter().all(near), "{p}: {multipliers:?}");
+        };
+        has(&found, [(2.0 * p - 1.0) * (2.0 * p - 1.0), decay * decay]);
+        let at_zero = FLIP.replace("u = 0.2", "u = 0").replace("x = 0.1", "x = 0");
+        let found = orbit(&crate::run::with(&at_zero, &[("p", p)]), &options("taylor"));
+        has(&found, [-1.0 - p, decay]);
     }
 }
 

@@ -235,6 +235,17 @@ fn a_diagram_leaves_an_orbit_that_has_become_unstable() {
     }
 }
 
+#[test]
+fn a_diagram_follows_a_discrete_state_to_its_doubled_period() {
+    let values: Vec<f64> = (0..10).map(|k| f64::from(k) * 0.1 - 0.45).collect();
+    for point in swept(&system(crate::choices::FLIP), "p", &values, 2000.0).0 {
+        let exact = point.value.max(0.0).sqrt();
+        let off = point.reached.x[1].abs() - exact;
+        assert!(point.reached.kind.is_attractor(), "{}", point.reached.kind);
+        assert!(off.abs() < 1e-5, "{off:e} at {}", point.value);
+    }
+}
+
 /// The circle of radius 1 attracts in the plane of `x` and `y`. Across it, zero does for `p < 0`.
 /// From there the attractors `+-sqrt(p)` branch off.
 const CIRCLE: &str = r#"
