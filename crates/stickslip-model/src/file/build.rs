@@ -23,6 +23,9 @@ use crate::kernel::{
 pub struct Built {
     /// The fields.
     pub fields: Fields,
+    /// The fields with the functions of lift-off at the places of their stops' states, where these
+    /// depend on the sides of contacts.
+    pub lift_offs: Option<Fields>,
     /// Whether any contact has static friction of its own.
     pub has_static: bool,
     /// Whether frictions add for certain.
@@ -359,6 +362,7 @@ pub(super) fn switching(
             sets.push(states.map(|state| graph.state(state)).collect());
             jumps.push(Jump {
                 when: tape(file, graph, &[when], inputs)?,
+                by_mode: stops.by_mode(event).then_some(file.stops[stop].closed),
                 direction: entry.direction,
                 condition: None,
                 choices: Vec::new(),
@@ -428,6 +432,7 @@ pub(super) fn switching(
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
+            by_mode: None,
             direction: entry.direction,
             condition: match condition {
                 None => None,
@@ -520,7 +525,9 @@ fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool>
                 && sets.iter().any(|set| {
                     let others = (0..discrete.len()).filter(|&other| discrete[other]);
                     !graph.is_isolated_from(set[state], varies)
-                        || graph.multiplies((state, set[state]), others).unwrap_or(false)
+                        || graph
+                            .multiplies((state, set[state]), others)
+                            .unwrap_or(false)
                 })
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {
@@ -572,16 +579,30 @@ pub(super) fn frictions_add(
     Ok(sided.iter().all(|sided| sided.count_ones() <= 1))
 }
 
+/// What is built at the places of the states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum FieldOf {
+    /// The rates of all states.
+    Motion,
+    /// The functions of lift-off at the places of the stops' states, and the rates of all others.
+    LiftOffs,
+}
+
 /// The field of one combination, and whether it depends on time.
 pub(super) fn field(
     file: &SystemFile,
-    values: &[f64],
-    free: Freed,
-    of: Combination,
+    (values, free): (&[f64], Freed),
+    (what, of): (FieldOf, Combination),
 ) -> Result<(TapeBuild, bool), Problem> {
     let mut graph = Graph::new();
     let inputs = Inputs::free(values, free);
-    let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
+    let mut rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
+    if what == FieldOf::LiftOffs {
+        let functions = super::stops::lift_offs(file, inputs, &mut graph, of)?;
+        for (stop, function) in file.stops.iter().zip(functions) {
+            rates[stop.closed] = function;
+        }
+    }
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
     let tape = tape(file, &graph, &rates, inputs)?;
     Ok((TapeBuild::new(graph, tape), is_timed))

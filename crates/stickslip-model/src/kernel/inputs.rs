@@ -258,8 +258,11 @@ impl Input {
 /// A jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
-    /// The function whose zero triggers the jump.
+    /// The function whose zero triggers the jump; with all contacts below if it depends on modes.
     pub when: Tape,
+    /// The state at whose place the fields of [`crate::kernel::Equations`] for functions have that
+    /// function in each mode, if it depends on modes.
+    pub by_mode: Option<usize>,
     /// Direction of the sign change.
     pub direction: Direction,
     /// Condition of the jump; `None` if it always happens.
@@ -446,11 +449,12 @@ impl Switching {
         }
     }
 
-    /// The function of a stop's lift-off.
+    /// The function of a stop's lift-off, if it does not depend on modes.
     fn reaction(&self, stop: usize) -> Option<&Tape> {
         let lift_off = Some((stop, StopEvent::LiftOff));
         let mut jumps = self.jumps.iter();
-        Some(&jumps.find(|jump| jump.of_stop == lift_off)?.when)
+        let jump = jumps.find(|jump| jump.of_stop == lift_off)?;
+        jump.by_mode.is_none().then_some(&jump.when)
     }
 
     /// Impulses of all stops at a jump, from the state before it.
@@ -514,12 +518,17 @@ impl<const N: usize> Jumps<N> for Switching {
         self.jumps[jump].direction
     }
 
+    fn by_mode(&self, jump: usize) -> Option<usize> {
+        self.jumps[jump].by_mode
+    }
+
     fn is_as_smooth_as_state(&self, jump: usize) -> bool {
-        self.jumps[jump].when.is_affine()
+        Jumps::<N>::is_affine(self, jump)
     }
 
     fn is_affine(&self, jump: usize) -> bool {
-        self.jumps[jump].when.is_affine()
+        let jump = &self.jumps[jump];
+        jump.by_mode.is_none() && jump.when.is_affine()
     }
 
     #[inline(always)]

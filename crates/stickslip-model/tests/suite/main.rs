@@ -48,5 +48,6 @@ mod statistics;
 mod stops;
 mod stops_in_analyses;
 mod stops_with_friction;
+mod stops_with_sides;
 mod sweeps;
 mod tape;

@@ -533,7 +533,7 @@ mod tests {
 
     #[test]
     fn a_normal_component_that_is_known_to_vanish_decides_nothing() {
-        let system = Tangent {
+        let system = AlongBoundary {
             along: [1.0, 1.0],
             bend: [-1.0, 1.0],
             holding: 0.0,
