@@ -113,9 +113,9 @@ impl<S: Switched<N, G>, const N: usize, const G: usize> Integration<'_, S, N, G>
             self.sticking_point = point;
             return Ok(Due::Accumulation);
         }
-        // A two-fold is approached by crossings alone, with a ratio that comes to 1.
+        // A two-fold is approached by crossings alone.
         let has_jumps = self.pile_up.has_one_of(self.contacts..usize::MAX);
-        let two_fold = match has_jumps || series.is_some() {
+        let two_fold = match has_jumps {
             true => None,
             false => self.system.ending_of_pile_up(&self.run, self.mode),
         };

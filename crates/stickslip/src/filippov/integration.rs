@@ -4,7 +4,7 @@ use super::flow::{Flow, GUARDS};
 use super::guard::Event;
 use super::observer::{Phase, StepRecord, Transition, TransitionKind};
 use super::options::{AtPileUp, Options};
-use super::pile_up::{PileUpDetector, negligible_span};
+use super::pile_up::PileUpDetector;
 use super::recordings::Recordings;
 use super::root_law::OntoRoot;
 use super::run::{StepState, Trial};
@@ -484,9 +484,7 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
         }
         // At a two-fold of one contact the rules would end the run, or rounding would decide how
         // long it sticks.
-        let length = event.at.t - self.run.from.t;
-        let is_short = length <= negligible_span(event.at.t, &self.run.options);
-        if (is_short || self.run.options.at_pile_up == AtPileUp::Rest)
+        if self.run.options.at_pile_up == AtPileUp::Rest
             && self.system.ending_of_pile_up(&self.run, from).is_some()
             && let Some(series) = self
                 .pile_up

@@ -69,7 +69,7 @@ impl Burst {
 }
 
 /// Time span that counts as zero at time `t`.
-pub(super) fn negligible_span(t: f64, options: &Options) -> f64 {
+fn negligible_span(t: f64, options: &Options) -> f64 {
     options.pile_up_span * t.abs().max(1.0)
 }
 

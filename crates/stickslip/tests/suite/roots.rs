@@ -168,31 +168,6 @@ fn super_twisting_comes_to_rest() {
     }
 }
 
-/// Crossings of a law by a root accumulate where both fields are tangent to Σ. It is no two-fold,
-/// which crossings do not reach in finite time.
-#[test]
-fn without_rest_super_twisting_ends_where_its_crossings_accumulate() {
-    for method in METHODS {
-        for tolerance in [1e-8, 1e-9, 1e-11, 1e-12] {
-            let options = Options::tol(tolerance).method(method);
-            let ended = solve(&SuperTwisting, 0.0, [1.0, 0.0], 3.0, &options);
-            let Err(failure) = ended else {
-                panic!("{method:?}, {tolerance}: {ended:?}");
-            };
-            let Error::EventPileUp {
-                accumulation: Some(point),
-                ..
-            } = failure.error
-            else {
-                panic!("{method:?}, {tolerance}: {}", failure.error);
-            };
-            // A distance of the tolerance is the square of the time that is left.
-            let off = (point.t - 1.741_662_725_127_465).abs();
-            assert!(off < 1e-5_f64.max(tolerance.sqrt()), "{method:?}: {off:e}");
-        }
-    }
-}
-
 /// A mass between two contacts, the second with a root law.
 struct TwoContacts;
 
