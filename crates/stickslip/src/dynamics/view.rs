@@ -111,9 +111,10 @@ where
         }
     }
 
-    /// A mode with the branch of its field at a moment.
+    /// A mode with the branch of its field at a moment, for the functions that depend on them.
     pub(super) fn with_branch(&self, mode: S::Mode, at: &Timed<N>) -> (S::Mode, S::Branch) {
-        (mode, self.system.branch_of_field(mode, at))
+        let branch = |_| self.system.branch_of_field(mode, at);
+        (mode, self.functions.map(branch).unwrap_or_default())
     }
 
     /// The jumps whose functions the motion from a state keeps, with what is off.
