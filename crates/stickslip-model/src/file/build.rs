@@ -23,9 +23,6 @@ use crate::kernel::{
 pub struct Built {
     /// The fields.
     pub fields: Fields,
-    /// The fields with the functions of lift-off at the places of their stops' states, where these
-    /// depend on the sides of contacts.
-    pub lift_offs: Option<Fields>,
     /// Whether any contact has static friction of its own.
     pub has_static: bool,
     /// Whether frictions add for certain.
@@ -362,7 +359,6 @@ pub(super) fn switching(
             sets.push(states.map(|state| graph.state(state)).collect());
             jumps.push(Jump {
                 when: tape(file, graph, &[when], inputs)?,
-                by_mode: stops.by_mode(event).then_some(file.stops[stop].closed),
                 direction: entry.direction,
                 condition: None,
                 choices: Vec::new(),
@@ -432,7 +428,6 @@ pub(super) fn switching(
         is_timed |= all.into_iter().any(|&id| graph.depends_on_time(id));
         jumps.push(Jump {
             when: tape(file, graph, &[when], inputs)?,
-            by_mode: None,
             direction: entry.direction,
             condition: match condition {
                 None => None,
@@ -579,30 +574,16 @@ pub(super) fn frictions_add(
     Ok(sided.iter().all(|sided| sided.count_ones() <= 1))
 }
 
-/// What is built at the places of the states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FieldOf {
-    /// The rates of all states.
-    Motion,
-    /// The functions of lift-off at the places of the stops' states, and the rates of all others.
-    LiftOffs,
-}
-
 /// The field of one combination, and whether it depends on time.
 pub(super) fn field(
     file: &SystemFile,
-    (values, free): (&[f64], Freed),
-    (what, of): (FieldOf, Combination),
+    values: &[f64],
+    free: Freed,
+    of: Combination,
 ) -> Result<(TapeBuild, bool), Problem> {
     let mut graph = Graph::new();
     let inputs = Inputs::free(values, free);
-    let mut rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
-    if what == FieldOf::LiftOffs {
-        let functions = super::stops::lift_offs(file, inputs, &mut graph, of)?;
-        for (stop, function) in file.stops.iter().zip(functions) {
-            rates[stop.closed] = function;
-        }
-    }
+    let rates = Builder::new(file, inputs, &mut graph, Scope::Sides(of)).field()?;
     let is_timed = rates.iter().any(|&rate| graph.depends_on_time(rate));
     let tape = tape(file, &graph, &rates, inputs)?;
     Ok((TapeBuild::new(graph, tape), is_timed))

@@ -76,13 +76,12 @@ impl System {
             has_friction |= contacts.any(|one| text.contains(&format!("{}.force", one.name)));
             names.push(name.to_owned());
         }
-        let below = self.reactions(stops::BELOW);
-        let mut combinations = stops::combinations(file).into_iter();
-        let is_sided = !file.stops.is_empty() && combinations.any(|of| self.reactions(of) != below);
+        let all = (1 << file.contacts.len()) - 1;
+        let [below, above] = [0, all].map(|above| self.reactions(Combination { above, held: 0 }));
         Ok(Quantities {
             system: self,
             names,
-            is_sided,
+            is_sided: below != above,
             reactions: Vec::new(),
             frictions: Vec::new(),
             has_friction,
@@ -329,8 +328,7 @@ impl Quantities<'_> {
     }
 
     /// The reactions and the values of the formulas at a moment in these modes. A reaction that
-    /// depends on the sides of several contacts that stick is not a number where the field is no
-    /// sum of what each contributes.
+    /// depends on the sides of several contacts that stick is not a number.
     pub fn at(&mut self, modes: &Modes, t: f64, x: &[f64]) -> Vec<f64> {
         let mut values = self.reactions_at(modes, t, x);
         if !self.formulas.is_empty() {
@@ -382,18 +380,6 @@ impl Quantities<'_> {
 
     /// The friction forces of all contacts.
     fn friction_at(&mut self, modes: &Modes, t: f64, x: &[f64]) -> Vec<f64> {
-        self.combined(modes, t, x, Quantities::friction_in)
-    }
-
-    /// The forces in these modes, from those in each combination of sides. They are not numbers
-    /// where several contacts stick, and the field is no sum of what each contributes.
-    fn combined(
-        &mut self,
-        modes: &Modes,
-        t: f64,
-        x: &[f64],
-        forces_in: impl Fn(&mut Self, Combination, f64, &[f64]) -> Vec<f64>,
-    ) -> Vec<f64> {
         let contacts = self.system.contacts();
         let is_above = |contact: &usize| modes.get(*contact) == Mode::Slip(Side::Above);
         let sticking: Vec<usize> = (0..contacts)
@@ -409,14 +395,14 @@ impl Quantities<'_> {
             [contact] => Some(vec![self.system.part_above(contact, of, t, x)]),
             _ => self.system.parts_above(&sticking, of, t, x),
         };
-        let below = forces_in(self, of, t, x);
         let Some(parts) = parts else {
-            return vec![f64::NAN; below.len()];
+            return vec![f64::NAN; contacts];
         };
+        let below = self.friction_in(of, t, x);
         let mut forces = below.clone();
         for (contact, part) in sticking.iter().zip(parts) {
             let above = of.above | 1 << contact;
-            let above = forces_in(self, Combination { above, ..of }, t, x);
+            let above = self.friction_in(Combination { above, ..of }, t, x);
             for ((force, below), above) in forces.iter_mut().zip(&below).zip(above) {
                 *force += part * (above - below);
             }
@@ -439,9 +425,29 @@ impl Quantities<'_> {
     }
 
     fn reactions_at(&mut self, modes: &Modes, t: f64, x: &[f64]) -> Vec<f64> {
-        match self.is_sided {
-            true => self.combined(modes, t, x, Quantities::reactions_in),
-            false => self.reactions_in(stops::BELOW, t, x),
+        let none = Combination { above: 0, held: 0 };
+        if !self.is_sided {
+            return self.reactions_in(none, t, x);
+        }
+        let sticks = |contact: &usize| modes.get(*contact) == Mode::Stick;
+        let contacts = 0..self.system.contacts();
+        let sticking: Vec<usize> = contacts.clone().filter(sticks).collect();
+        let of = contacts.fold(none, |of, contact| Combination {
+            above: of.above | usize::from(modes.get(contact) == Mode::Slip(Side::Above)) << contact,
+            held: of.held | usize::from(sticks(&contact)) << contact,
+        });
+        match sticking[..] {
+            [] => self.reactions_in(of, t, x),
+            [contact] => {
+                let part = self.system.part_above(contact, of, t, x);
+                let below = self.reactions_in(of, t, x);
+                let above = of.above | 1 << contact;
+                let above = self.reactions_in(Combination { above, ..of }, t, x);
+                let both = below.iter().zip(above);
+                both.map(|(below, above)| below + part * (above - below))
+                    .collect()
+            }
+            _ => vec![f64::NAN; self.system.file.stops.len()],
         }
     }
 

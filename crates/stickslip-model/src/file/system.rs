@@ -18,8 +18,8 @@ use super::{
 };
 use crate::expression::Tape;
 use crate::kernel::{
-    Combination, Equations, Fields, HELD_PER_INPUT, SectionFunction, Size, Switching,
-    TapedContacts, TapedFilippov, dynamics, sides_to_check,
+    Combination, Equations, HELD_PER_INPUT, SectionFunction, Size, Switching, TapedContacts,
+    TapedFilippov, dynamics, sides_to_check,
 };
 
 /// Number of random states at which a period or the boundaries are checked. It is chosen: one that
@@ -582,9 +582,7 @@ fn solver(
     let switching = built.switching.clone();
     let room = switching.room();
     let size = Size { states, contacts };
-    let functions = built.lift_offs.as_ref();
-    let functions = functions.map(|fields| equations(file, built, fields));
-    let equations = (equations(file, built, &built.fields), functions);
+    let equations = equations(file, built);
     let solver = dynamics(equations, sections, switching, size, interrupt);
     // The reader admits no more states and contacts than the solver supports.
     solver.filter(|_| contacts <= states).ok_or_else(|| {
@@ -605,8 +603,10 @@ fn solver(
     })
 }
 
-fn equations(file: &SystemFile, built: &Built, fields: &Fields) -> Equations {
-    let boundaries = &built.boundaries;
+fn equations(file: &SystemFile, built: &Built) -> Equations {
+    let Built {
+        fields, boundaries, ..
+    } = built;
     // Discrete states follow those that move.
     let states = file.states.iter();
     let dimension = states.filter(|state| !state.is_discrete).count();

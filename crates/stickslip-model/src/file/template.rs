@@ -12,7 +12,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use stickslip::error::readable;
 
-use super::build::{self, Built, FieldOf, SectionBuild, TapeBuild};
+use super::build::{self, Built, SectionBuild, TapeBuild};
 use super::builder::{Freed, Inputs};
 use super::formulas::Formulas;
 use super::problem::Problem;
@@ -31,8 +31,6 @@ pub(super) struct Template {
     /// Values of the parameters of the build.
     values: Arc<[f64]>,
     fields: ByCombination<Option<TapeBuild>>,
-    /// The fields of lift-offs, where these depend on the sides of contacts.
-    lift_offs: Option<ByCombination<Option<TapeBuild>>>,
     /// The combinations whose fields are checked before a run.
     checked: Vec<Combination>,
     has_static: bool,
@@ -82,7 +80,7 @@ impl Template {
         let checked = combinations(contacts, has_static);
         let mut depends_on_time = false;
         for &of in &checked {
-            let (field, is_timed) = build::field(file, (values, free), (FieldOf::Motion, of))?;
+            let (field, is_timed) = build::field(file, values, free, of)?;
             depends_on_time |= is_timed;
             fields.get_or_make(of, || Some(field.clone()));
         }
@@ -90,7 +88,6 @@ impl Template {
         depends_on_time |= is_timed;
         let (switching, is_timed) = build::switching(file, inputs, &mut graph)?;
         depends_on_time |= is_timed || !switching.inputs.is_empty();
-        let by_mode = switching.jumps.iter().any(|jump| jump.by_mode.is_some());
         if heights.is_empty() {
             // A system without contacts has one side.
             heights.extend(graph.constant(1.0));
@@ -145,7 +142,6 @@ impl Template {
             free,
             values: values.into(),
             fields,
-            lift_offs: by_mode.then(|| ByCombination::new(contacts)),
             checked,
             has_static,
             frictions_add,
@@ -176,10 +172,6 @@ impl Template {
         let sections = self.sections.iter();
         Some(Built {
             fields: self.fields(values)?,
-            lift_offs: self.lift_offs.as_ref().map(|known| {
-                let build = self.builder(FieldOf::LiftOffs, known, values);
-                Fields::new(self.file.contacts.len(), Arc::new(build))
-            }),
             has_static: self.has_static,
             frictions_add: self.frictions_add,
             boundaries: self.boundaries.with_held(&held),
@@ -203,33 +195,23 @@ impl Template {
     /// The fields for these values of the parameters: now of the combinations that are checked
     /// before a run, and of others on first use.
     fn fields(&self, values: &[f64]) -> Option<Fields> {
-        let make = self.builder(FieldOf::Motion, &self.fields, values);
+        let make = {
+            let (known, free, file) = (self.fields.clone(), self.free, Arc::clone(&self.file));
+            let (reference, values): (Arc<[f64]>, Arc<[f64]>) =
+                (Arc::clone(&self.values), values.into());
+            move |of: Combination| {
+                let build = |values: &[f64]| Some(build::field(&file, values, free, of).ok()?.0);
+                let field = known.get_or_make(of, || build(&reference));
+                let bound = field.and_then(|field| field.as_ref()?.bound(&values));
+                bound.or_else(|| Some(build(&values)?.tape))
+            }
+        };
         let fields = Fields::new(self.file.contacts.len(), Arc::new(make));
         for of in &self.checked {
             let known = self.fields.get_or_make(*of, || None)?.as_ref();
             fields.keep(*of, &known?.bound(values)?);
         }
         Some(fields)
-    }
-
-    /// Builds the fields for these values of the parameters, from those of the template where it
-    /// has or can make them.
-    fn builder(
-        &self,
-        what: FieldOf,
-        known: &ByCombination<Option<TapeBuild>>,
-        values: &[f64],
-    ) -> impl Fn(Combination) -> Option<Tape> + use<> {
-        let (known, free, file) = (known.clone(), self.free, Arc::clone(&self.file));
-        let (reference, values): (Arc<[f64]>, Arc<[f64]>) =
-            (Arc::clone(&self.values), values.into());
-        move |of: Combination| {
-            let build =
-                |values: &[f64]| Some(build::field(&file, (values, free), (what, of)).ok()?.0);
-            let field = known.get_or_make(of, || build(&reference));
-            let bound = field.and_then(|field| field.as_ref()?.bound(&values));
-            bound.or_else(|| Some(build(&values)?.tape))
-        }
     }
 
     /// Replaces the sections by others than those of the file.

@@ -23,10 +23,9 @@ type Extras = (OwnSections, Switching, Option<Arc<Interrupt>>);
 
 /// The dynamics of these equations in the form that the library's analyses take. `None` if there
 /// are more states than [`super::MOST_STATES`] and a parameter, or more contacts than
-/// [`super::MOST_CONTACTS`]. Its orbits end when `interrupt` is raised. The second equations are
-/// those of the functions of jumps that depend on modes, and of the same kind.
+/// [`super::MOST_CONTACTS`]. Its orbits end when `interrupt` is raised.
 pub fn dynamics(
-    equations: (Equations, Option<Equations>),
+    equations: Equations,
     sections: Vec<SectionFunction>,
     switching: Switching,
     size: Size,
@@ -34,27 +33,16 @@ pub fn dynamics(
 ) -> Option<DynamicsRef<'static>> {
     let extras = (OwnSections(sections), switching, interrupt);
     let dynamics = match equations {
-        (Equations::OneContact(system), None) => of_one_contact((*system, None), extras, size),
-        (Equations::OneContact(system), Some(Equations::OneContact(functions))) => {
-            of_one_contact((*system, Some(*functions)), extras, size)
-        }
-        (Equations::ManyContacts(system), None) => of_many_contacts((system, None), extras, size),
-        (Equations::ManyContacts(system), Some(Equations::ManyContacts(functions))) => {
-            of_many_contacts((system, Some(functions)), extras, size)
-        }
-        _ => None,
+        Equations::OneContact(system) => of_one_contact(*system, extras, size),
+        Equations::ManyContacts(system) => of_many_contacts(system, extras, size),
     };
     dynamics.map(DynamicsRef::Owned)
 }
 
 /// The dynamics of a system with at most one contact; `None` if it has too many states.
-fn of_one_contact(
-    system: (TapedFilippov, Option<TapedFilippov>),
-    extras: Extras,
-    size: Size,
-) -> Option<Box<dyn Dynamics>> {
+fn of_one_contact(system: TapedFilippov, extras: Extras, size: Size) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize>(
-        (system, functions): (TapedFilippov, Option<TapedFilippov>),
+        system: TapedFilippov,
         (sections, switching, interrupt): Extras,
         size: Size,
     ) -> Box<dyn Dynamics>
@@ -65,7 +53,7 @@ fn of_one_contact(
         let (states, contacts) = (size.states, size.contacts);
         let typed =
             Typed::<_, TapedFilippov, _, _, Switching, N, GUARDS>::padded(system, states, contacts);
-        Box::new(typed.with_functions(functions).interrupted_by(interrupt))
+        Box::new(typed.interrupted_by(interrupt))
     }
     let room = extras.1.room();
     Some(match room {
@@ -80,19 +68,18 @@ fn of_one_contact(
 
 /// The dynamics of a system with several contacts; `None` if it has too many contacts or states.
 fn of_many_contacts(
-    system: (TapedContacts, Option<TapedContacts>),
+    system: TapedContacts,
     extras: Extras,
     size: Size,
 ) -> Option<Box<dyn Dynamics>> {
     fn sized<const N: usize, const M: usize>(
-        (system, functions): (TapedContacts, Option<TapedContacts>),
+        system: TapedContacts,
         (sections, switching, interrupt): Extras,
         size: Size,
     ) -> Box<dyn Dynamics> {
         let system = (Several(system), sections, switching);
         let (states, contacts) = (size.states, size.contacts);
         let typed = Typed::<_, Several<_>, _, _, Switching, N, M>::padded(system, states, contacts);
-        let typed = typed.with_functions(functions.map(Several));
         Box::new(typed.interrupted_by(interrupt))
     }
     let room = extras.1.room();

@@ -258,11 +258,8 @@ impl Input {
 /// A jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Jump {
-    /// The function whose zero triggers the jump; with all contacts below if it depends on modes.
+    /// The function whose zero triggers the jump.
     pub when: Tape,
-    /// The state at whose place the fields of [`crate::kernel::Equations`] for functions have that
-    /// function in each mode, if it depends on modes.
-    pub by_mode: Option<usize>,
     /// Direction of the sign change.
     pub direction: Direction,
     /// Condition of the jump; `None` if it always happens.
@@ -449,12 +446,11 @@ impl Switching {
         }
     }
 
-    /// The function of a stop's lift-off, if it does not depend on modes.
+    /// The function of a stop's lift-off.
     fn reaction(&self, stop: usize) -> Option<&Tape> {
         let lift_off = Some((stop, StopEvent::LiftOff));
         let mut jumps = self.jumps.iter();
-        let jump = jumps.find(|jump| jump.of_stop == lift_off)?;
-        jump.by_mode.is_none().then_some(&jump.when)
+        Some(&jumps.find(|jump| jump.of_stop == lift_off)?.when)
     }
 
     /// Impulses of all stops at a jump, from the state before it.
@@ -518,17 +514,12 @@ impl<const N: usize> Jumps<N> for Switching {
         self.jumps[jump].direction
     }
 
-    fn by_mode(&self, jump: usize) -> Option<usize> {
-        self.jumps[jump].by_mode
-    }
-
     fn is_as_smooth_as_state(&self, jump: usize) -> bool {
-        Jumps::<N>::is_affine(self, jump)
+        self.jumps[jump].when.is_affine()
     }
 
     fn is_affine(&self, jump: usize) -> bool {
-        let jump = &self.jumps[jump];
-        jump.by_mode.is_none() && jump.when.is_affine()
+        self.jumps[jump].when.is_affine()
     }
 
     #[inline(always)]

@@ -48,6 +48,5 @@ mod statistics;
 mod stops;
 mod stops_in_analyses;
 mod stops_with_friction;
-mod stops_with_sides;
 mod sweeps;
 mod tape;

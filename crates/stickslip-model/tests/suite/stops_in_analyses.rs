@@ -535,6 +535,30 @@ fn equilibria_end_where_a_gap_or_a_reaction_vanishes() {
 }
 
 #[test]
+fn sides_of_contacts_that_cancel_do_not_hide_that_a_reaction_depends_on_them() {
+    let text = "name = \"sides\"\n[states]\nv = \"\"\nu = \"\"\nh = \"\"\nw = \"\"\n[contacts.a]\n\
+                boundary = \"v\"\nfriction = 0.1\n[contacts.b]\nboundary = \"u\"\nfriction = 0.1\n\
+                [stops.floor]\ngap = \"h\"\nacts = { w = 1 }\nrestitution = 0\n[field]\n\
+                v = \"1 - friction(a)\"\nu = \"-1 - friction(b)\"\nh = \"w\"\nw = \"-1 + a - b\"\n\
+                [time]\nend = 3\n";
+    let file = stickslip_model::file::SystemFile::parse(stickslip_model::file::Source {
+        name: "system.toml".to_owned(),
+        text: text.to_owned(),
+    });
+    let made = file.and_then(|file| {
+        file.with(&[]).map_err(|error| match error {
+            stickslip_model::file::SettingError::File(error) => error,
+            other => panic!("{other}"),
+        })
+    });
+    let error = made.err().unwrap().to_string();
+    assert!(
+        error.contains("depends on the side of a contact"),
+        "{error}"
+    );
+}
+
+#[test]
 fn a_condition_does_not_hide_impacts_that_accumulate() {
     let text = "name = \"bounces\"\n[states]\nx = \"\"\nv = \"\"\n[jumps.a]\nwhen = \"x - 0.5\"\n\
                 direction = \"falling\"\nif = \"v < 0\"\nset = { v = \"-0.9*v\" }\n[field]\n\

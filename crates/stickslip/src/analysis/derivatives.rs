@@ -470,7 +470,7 @@ impl<'a> OrbitTangents<'a> {
                 (gradient, in_time)
             }
             None if end.is_of_jump => {
-                let reset = system.reset(at.contact, at.from, &here);
+                let reset = system.reset(at.contact, &here);
                 (reset.gradient, reset.in_time)
             }
             None => system.flow(at.from, &here).guard_gradient(end.guard, &here),
@@ -492,7 +492,7 @@ impl<'a> OrbitTangents<'a> {
         };
         let mut after_jump = here.clone();
         if end.is_of_jump {
-            after_jump.x = system.reset(at.contact, at.from, &after_jump).after;
+            after_jump.x = system.reset(at.contact, &after_jump).after;
         }
         if let Some(jump) = jump {
             for column in &mut self.columns {

@@ -48,9 +48,7 @@ pub(super) fn is_graze(
     }
     let (system, here) = (tangent.system, at.moment());
     let flow = system.flow(at.from, &here);
-    let reset = end
-        .is_of_jump
-        .then(|| system.reset(at.contact, at.from, &here));
+    let reset = end.is_of_jump.then(|| system.reset(at.contact, &here));
     let gradient = match &reset {
         Some(reset) => reset.gradient.clone(),
         None => flow.guard_gradient(end.guard, &here).0,
@@ -63,7 +61,7 @@ pub(super) fn is_graze(
             t: here.t,
             x: reset.after,
         };
-        let leaves_zero = || system.reset(at.contact, at.from, &after).value.abs() <= zero;
+        let leaves_zero = || system.reset(at.contact, &after).value.abs() <= zero;
         reset.rests || cause.follows == Some(at.contact) && leaves_zero()
     });
     let turns_back = rate * bend < 0.0;

@@ -108,7 +108,7 @@ impl Zero {
         at: &Moment,
         held: f64,
     ) -> Self {
-        let reset = system.reset_held(jump, from, at, held);
+        let reset = system.reset_held(jump, at, held);
         let slopes = (reset.gradient, reset.in_time);
         let flow = system.flow_held(from, at, held);
         Zero::of(reset.value, slopes, reset.direction, &flow.velocity(at), at)

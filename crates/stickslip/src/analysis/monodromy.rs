@@ -173,7 +173,7 @@ impl TangentMap {
     /// One on a stop that carries has landed there.
     pub(super) fn begin(&mut self, system: &dyn Dynamics, mode: Modes, at: &Moment) {
         for number in system.landings(at) {
-            let landing = system.reset(number, mode, at);
+            let landing = system.reset(number, at);
             for column in &mut self.columns {
                 *column = &landing.by_state * &*column;
             }

@@ -186,7 +186,7 @@ impl Meeting {
         match self {
             Meeting::Jump(jump) => {
                 let zero = Zero::of_jump(system, jump, mode, at, held);
-                let reset = system.reset_held(jump, mode, at, held);
+                let reset = system.reset_held(jump, at, held);
                 let to = Moment {
                     t: at.t,
                     x: reset.after,
@@ -276,7 +276,7 @@ fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> V
                 return None;
             }
             let zero = Zero::of_jump(system, guard.contact, place.mode, &place.at, at.t);
-            let reset = system.reset(guard.contact, place.mode, &place.at);
+            let reset = system.reset(guard.contact, &place.at);
             let happens = zero.goes() && !reset.lands && reset.after.iter().all(|x| x.is_finite());
             return happens.then_some(Meeting::Jump(guard.contact));
         }

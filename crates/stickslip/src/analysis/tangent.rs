@@ -100,7 +100,7 @@ impl<'a> Tangent<'a> {
     /// [`Error::ChainedJumps`] and [`Error::TiedChoice`].
     fn reset(&self, at: &Transition, cause: Cause) -> Result<Saltation, Error> {
         let here = at.moment();
-        let mut reset = self.system.reset(at.contact, at.from, &here);
+        let mut reset = self.system.reset(at.contact, &here);
         if let Some(input) = cause.kink {
             (_, reset.gradient, reset.in_time) = self.system.clock(input, &here);
         }
@@ -159,7 +159,7 @@ impl<'a> Tangent<'a> {
         let carried = self.system.landings(&at.moment());
         let landings = self.system.landings(after).into_iter();
         for number in landings.filter(|number| !carried.contains(number)) {
-            let landing = self.system.reset(number, at.to, after);
+            let landing = self.system.reset(number, after);
             let speeds = matrix.tr_mul(&landing.gradient);
             let sizes = matrix.abs().tr_mul(&landing.gradient.abs());
             let is_motion = |(speed, size): (&f64, &f64)| speed.abs() > SAME * size;
@@ -183,7 +183,7 @@ impl<'a> Tangent<'a> {
     fn is_landing_triggered(&self, at: &Transition, cause: Cause) -> bool {
         let is_other = |jump: usize| {
             let is_impact = self.system.rest_after(jump) == Some(at.contact);
-            !is_impact && !self.system.reset(jump, at.from, &at.moment()).lands
+            !is_impact && !self.system.reset(jump, &at.moment()).lands
         };
         !cause.is_first && cause.follows.is_some_and(is_other)
     }
@@ -228,7 +228,7 @@ impl<'a> Tangent<'a> {
             (Some(matrix), Some(jump)) => {
                 let after = Moment {
                     t: at.t,
-                    x: self.system.reset(at.contact, at.from, &at.moment()).after,
+                    x: self.system.reset(at.contact, &at.moment()).after,
                 };
                 let matrix = self.landed(at, &after, matrix);
                 Some(Saltation {

@@ -104,19 +104,17 @@ where
     }
 
     /// The function of a guard's jump, if the guard belongs to one.
-    fn jump(&self, guard: usize) -> Option<JumpGuard<'_, S, V, J, N, G>> {
-        let (view, number) = (&self.view, guard.checked_sub(G)?);
-        let mode = view.with_branch(self.mode, &self.at);
-        let value = view.when(number, mode, (self.at.t, components(&self.at.x)));
-        let sign = match view.jumps.direction(number) {
+    fn jump(&self, guard: usize) -> Option<JumpGuard<'_, J>> {
+        let (jumps, number) = (self.view.jumps, guard.checked_sub(G)?);
+        let value = jumps.when(number, self.at.t, components(&self.at.x));
+        let sign = match jumps.direction(number) {
             Direction::Rising => -1.0,
             Direction::Falling => 1.0,
             Direction::Both if value < 0.0 => -1.0,
             Direction::Both => 1.0,
         };
         Some(JumpGuard {
-            view,
-            mode,
+            jumps,
             number,
             sign,
         })
@@ -245,9 +243,8 @@ where
 
     fn is_clear(&self, t: Interval, x: &[Interval]) -> bool {
         let x = self.ranges(x);
-        let mode = self.view.with_branch(self.mode, &self.at);
         let is_clear = |jump: usize| {
-            let over = Interval::decided(|| self.view.when(jump, mode, (t, &x)));
+            let over = Interval::decided(|| self.view.jumps.when(jump, t, &x));
             over.is_some_and(|over| over.low > 0.0 || over.high < 0.0)
         };
         self.with_flow_of_guards(StaysClear(t, &x)) && (0..self.view.jumps.count()).all(is_clear)
@@ -274,32 +271,25 @@ where
 }
 
 /// The function of a jump, positive before the jump.
-struct JumpGuard<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    view: &'a View<'a, S, V, J, N, G>,
-    mode: (S::Mode, S::Branch),
+struct JumpGuard<'a, J> {
+    jumps: &'a J,
     number: usize,
     sign: f64,
 }
 
-impl<S: Switched<N, G>, V, J: Jumps<N>, const N: usize, const G: usize>
-    JumpGuard<'_, S, V, J, N, G>
-{
-    fn guard<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
-        self.view.when(self.number, self.mode, (t, x)) * self.sign
+impl<J> JumpGuard<'_, J> {
+    fn guard<T: Scalar, const N: usize>(&self, t: T, x: &[T; N]) -> T
+    where
+        J: Jumps<N>,
+    {
+        self.jumps.when(self.number, t, x) * self.sign
     }
 }
 
 /// Value and derivatives in time of the function of a jump.
-struct JumpJet<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize>(
-    &'a JumpGuard<'a, S, V, J, N, G>,
-    Timed<N>,
-);
+struct JumpJet<'a, J, const N: usize>(&'a JumpGuard<'a, J>, Timed<N>);
 
-impl<S, V, J, const N: usize, const G: usize> UseFlow<N> for JumpJet<'_, S, V, J, N, G>
-where
-    S: Switched<N, G>,
-    J: Jumps<N>,
-{
+impl<J: Jumps<N>, const N: usize> UseFlow<N> for JumpJet<'_, J, N> {
     type Output = [f64; 4];
 
     fn with<F: Flow<N>>(self, flow: &F) -> [f64; 4] {

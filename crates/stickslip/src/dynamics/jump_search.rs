@@ -40,7 +40,6 @@ impl PendingJump {
 
 /// The search for jumps along a run, and their execution.
 pub(super) struct JumpSearch<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    view: View<'a, S, V, J, N, G>,
     jumps: &'a J,
     search: EventSearch<'a, S, TypedFunctions<'a, S, V, J, N, G>, N, G>,
     counts: Vec<u64>,
@@ -143,7 +142,6 @@ where
         let count = if is_prescribed { 0 } else { jumps.count() };
         let functions = view.functions_of_jumps(count);
         let mut jump_search = JumpSearch {
-            view: *view,
             jumps,
             search: EventSearch::new(view.system, functions, options).only_first(),
             counts: vec![0; count],
@@ -157,7 +155,6 @@ where
             has_jumped: false,
             is_prescribed,
         };
-        jump_search.set_mode(integration);
         jump_search.check(integration)?;
         jump_search.find_due_at_start(integration)?;
         Ok(Some(jump_search))
@@ -223,9 +220,8 @@ where
         let rate = self
             .search
             .sign_of_rate(number, &at, &integration.velocity());
-        let function = |t, x: &_| self.search.events().value(number, t, x);
-        let zero = EVENT_PRECISION * allowed(function, &at, with);
-        let height = self.value(number, &at);
+        let zero = EVENT_PRECISION * allowed(self.jumps, number, &at, with);
+        let height = self.jumps.when(number, at.t, components(&at.x));
         rate == sign && goes(self.jumps, number, rate) && height.abs() <= zero
     }
 
@@ -305,8 +301,7 @@ where
         let at = integration.at();
         let with = (integration.states(), integration.options());
         let rate = self.jumps.when(rest, at.t, components(&at.x));
-        let function = |t, x: &_| self.jumps.when(rest, t, x);
-        match rate.abs() <= allowed(function, &at, with) {
+        match rate.abs() <= allowed(self.jumps, rest, &at, with) {
             true => rest,
             false => number,
         }
@@ -320,43 +315,13 @@ where
         self.due = due.collect();
     }
 
-    /// The function of a jump in the present mode.
-    fn value(&self, number: usize, at: &Timed<N>) -> f64 {
-        self.search.events().value(number, at.t, components(&at.x))
-    }
-
-    /// Looks for jumps in the present mode.
-    fn set_mode(&mut self, integration: &Integration<'a, S, N, G>) {
-        let mode = self.view.with_branch(integration.mode(), &integration.at());
-        self.search.events_mut().mode = mode;
-    }
-
-    /// Takes the functions that depend on the modes of contacts as they are in a mode that begins.
-    /// A reaction that pulls there ends at once. Others may push without it: one ends first.
-    pub(super) fn follow_mode(&mut self, integration: &Integration<'a, S, N, G>) {
-        self.set_mode(integration);
-        let at = integration.at();
-        for number in 0..self.counts.len() {
-            if self.jumps.by_mode(number).is_none() {
-                continue;
-            }
-            let sign = self.search.sign_at(number, &at);
-            if sign < 0.0 && !self.is_due() {
-                self.due.push_back(PendingJump::at_once(number));
-                // A phase of zero length lies before it.
-                self.has_jumped = true;
-            }
-            if sign > 0.0 {
-                self.search.set_side(number, sign);
-            }
-        }
-    }
-
     /// Takes every function as it is at the present state; one that is zero stands there.
     pub(super) fn begin_at(&mut self, integration: &Integration<'a, S, N, G>) {
         self.has_jumped = false;
-        self.set_mode(integration);
-        let at = integration.at();
+        let at = Timed {
+            t: integration.t(),
+            x: *integration.x(),
+        };
         for number in 0..self.counts.len() {
             match self.unless_behind(number, self.search.sign_at(number, &at)) {
                 0.0 => self.search.stand_at_zero(number, 0.0, 0.0),
@@ -380,13 +345,13 @@ where
 
     /// Whether the functions of all jumps are defined, and no gap is negative.
     fn check(&self, integration: &Integration<'a, S, N, G>) -> Result<(), Error> {
-        let at = integration.at();
+        let (t, x) = (integration.t(), integration.x());
         for number in (0..self.counts.len()).filter(|&jump| self.jumps.is_never_negative(jump)) {
             self.check_gap(number, integration)?;
         }
-        let is_none = |&number: &usize| self.value(number, &at).is_nan();
+        let is_none = |&number: &usize| self.jumps.when(number, t, components(x)).is_nan();
         match (0..self.counts.len()).find(is_none) {
-            Some(number) => Err(self.undefined("the function of the jump", number, (at.t, &at.x))),
+            Some(number) => Err(self.undefined("the function of the jump", number, (t, x))),
             None => Ok(()),
         }
     }
@@ -408,7 +373,6 @@ where
         if self.counts.is_empty() {
             return Ok(());
         }
-        self.set_mode(integration);
         let step = integration.last_step();
         self.search.in_step(&step);
         let (t, x) = (step.t_start, step.x_start);
@@ -449,13 +413,11 @@ where
             .map(|at| at.number)
             .collect();
         due.sort_unstable();
-        for &number in &due {
-            self.due.push_back(PendingJump {
-                number,
-                left: self.value(number, &Timed { t, x }).abs(),
-                is_unresolved: self.search.stands_at_zero(number),
-            });
-        }
+        self.due.extend(due.iter().map(|&number| PendingJump {
+            number,
+            left: self.jumps.when(number, t, components(&x)).abs(),
+            is_unresolved: self.search.stands_at_zero(number),
+        }));
         self.search.cut(&step.x_start, &x);
         let distance = integration.distance_to_settle();
         for number in (0..self.counts.len()).filter(|number| !due.contains(number)) {
@@ -565,7 +527,7 @@ where
             self.check_continuous(number, integration)?;
         }
         let (t, before, from) = (integration.t(), *integration.x(), integration.mode());
-        let residual = self.value(number, &Timed { t, x: before }).abs();
+        let residual = self.jumps.when(number, t, components(&before)).abs();
         let after: State<N> = self.jumps.set(number, t, components(&before)).into();
         if after.iter().any(|v| !v.is_finite()) {
             return Err(self.undefined("the state that is set by the jump", number, (t, &before)));
@@ -578,7 +540,6 @@ where
             integration.restart_at(self.contacts + number, after, Some(Ending::Stopped))?;
         } else {
             integration.restart_at(self.contacts + number, after, None)?;
-            self.set_mode(integration);
             self.leave_zero(number, due.left, integration);
             // After its impact, a gap that stays closed without being kept rises.
             if self.jumps.is_never_negative(number) && self.search.stands_at_zero(number) {
@@ -587,7 +548,7 @@ where
             }
             // A jump that moves its function by less than rounding, to where the function goes on
             // to the next jump, has no end but an accumulation.
-            let value = |x: &State<N>| self.value(number, &Timed { t, x: *x });
+            let value = |x: &State<N>| self.jumps.when(number, t, components(x));
             if self.search.stands_at_zero(number)
                 && self.goes(number, self.search.side(number))
                 && value(&before) != value(&after)
@@ -616,10 +577,8 @@ where
     fn stay_on_stops(&self, integration: &mut Integration<'a, S, N, G>) {
         let (at, states) = (integration.at(), integration.states());
         let with = (states, integration.options());
-        let is_off = kept(self.jumps, at).any(|(number, off)| {
-            let function = |t, x: &_| self.jumps.when(number, t, x);
-            off.abs() > allowed(function, &at, with)
-        });
+        let is_off = kept(self.jumps, at)
+            .any(|(number, off)| off.abs() > allowed(self.jumps, number, &at, with));
         if is_off {
             integration.move_to(landed(self.jumps, at));
         }
@@ -629,10 +588,7 @@ where
     /// reaction pulls by as little. It lifts off once the reaction has pushed.
     fn hold_down(&mut self, impact: usize, at: &Timed<N>) {
         for number in 0..self.counts.len() {
-            // In another mode than that of the flights, a reaction may well pull.
-            let is_of_impact =
-                self.jumps.leaves_at_zero(number, impact) && self.jumps.by_mode(number).is_none();
-            if is_of_impact && self.search.sign_at(number, at) <= 0.0 {
+            if self.jumps.leaves_at_zero(number, impact) && self.search.sign_at(number, at) <= 0.0 {
                 self.search.set_side(number, -1.0);
                 self.due.retain(|due| due.number != number);
             }
@@ -690,7 +646,6 @@ where
         }
         let phase = integration.phase();
         let changed = integration.restart_at_kink(after)?;
-        self.set_mode(integration);
         self.detect_jumps(integration, [&before, &after], None)?;
         self.due.make_contiguous().sort_by_key(|due| due.number);
         self.pass_idle(integration);

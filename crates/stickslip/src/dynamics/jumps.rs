@@ -1,7 +1,6 @@
 //! Jumps: maps of the state at zeros of functions of the state.
 
 use super::Vector;
-use crate::dual::Dual;
 use crate::filippov::{Direction, Options, gradient};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
@@ -68,13 +67,6 @@ pub trait Jumps<const N: usize> {
 
     /// The function at whose zero the jump occurs.
     fn when<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> T;
-
-    /// The component of the state at whose place the motion of the system of functions
-    /// ([`super::Typed::with_functions`]) has the function of a jump, for one that depends on the
-    /// modes of contacts. By default, [`Jumps::when`] is the function in all modes.
-    fn by_mode(&self, _jump: usize) -> Option<usize> {
-        None
-    }
 
     /// The state after a jump, from that before it.
     fn set<T: Scalar>(&self, jump: usize, t: T, x: &[T; N]) -> [T; N];
@@ -209,13 +201,14 @@ pub(super) fn kept<J: Jumps<N>, const N: usize>(
     })
 }
 
-/// Largest change of a function by errors of the first states within the tolerance.
-pub(super) fn allowed<const N: usize>(
-    function: impl Fn(Dual<f64>, &[Dual<f64>; N]) -> Dual<f64>,
+/// Largest change of a jump's function by errors of the first states within the tolerance.
+pub(super) fn allowed<J: Jumps<N>, const N: usize>(
+    jumps: &J,
+    jump: usize,
     at: &Timed<N>,
     (states, options): (usize, &Options),
 ) -> f64 {
-    let (slopes, _) = gradient(function, at, states);
+    let (slopes, _) = gradient(|t, x| jumps.when(jump, t, x), at, states);
     let error = State::from_fn(|i, _| options.allowed(i, at.x[i].abs()));
     slopes.abs().dot(&error)
 }

@@ -329,14 +329,14 @@ pub trait Dynamics: Send + Sync {
     /// The clock that decides when an input kinks: value, gradient in the state, time derivative.
     fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64);
 
-    /// The effect of a jump at a moment before it, from the modes there. Its number is counted
-    /// after those of the contacts, as in its transitions.
-    fn reset(&self, number: usize, from: Modes, at: &Moment) -> Reset {
-        self.reset_held(number, from, at, at.t)
+    /// The effect of a jump at a moment before it. Its number is counted after those of the
+    /// contacts, as in its transitions.
+    fn reset(&self, number: usize, at: &Moment) -> Reset {
+        self.reset_held(number, at, at.t)
     }
 
     /// The effect of a jump, with the values that inputs hold from the time `held` on.
-    fn reset_held(&self, number: usize, from: Modes, at: &Moment, held: f64) -> Reset;
+    fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset;
 
     /// The moment that stops admit next to one of an orbit at another parameter: on the stops that
     /// carry, and in front of the others.

@@ -144,7 +144,6 @@ where
         system,
         own: &NoSection,
         jumps: &NoJumps,
-        functions: None,
         states: N,
         contacts: S::CONTACTS,
         interrupt: None,
@@ -303,12 +302,7 @@ where
                 let until = self.jump_search.as_ref().and_then(JumpSearch::due);
                 OrbitProgress::PhaseEnd(self.view.phase(phase, until))
             }
-            Progress::Transition(at) => {
-                if let Some(jump_search) = &mut self.jump_search {
-                    jump_search.follow_mode(&self.integration);
-                }
-                OrbitProgress::Transition(self.view.transition(at))
-            }
+            Progress::Transition(at) => OrbitProgress::Transition(self.view.transition(at)),
             Progress::End(summary) => OrbitProgress::End(self.view.summary(summary)),
         }))
     }

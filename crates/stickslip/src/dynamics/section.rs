@@ -44,7 +44,7 @@ where
             Section::Turning => FunctionKind::Turning,
             Section::Own(number) => FunctionKind::Own(*number),
         };
-        self.functions_of(sections.iter().map(kind).collect())
+        self.functions(sections.iter().map(kind).collect())
     }
 
     /// The functions of the first `count` jumps.
@@ -53,23 +53,24 @@ where
             true => FunctionKind::Jump(jump),
             false => FunctionKind::Never,
         };
-        self.functions_of((0..count).map(kind).collect())
+        self.functions((0..count).map(kind).collect())
     }
 
-    fn functions_of(&self, kinds: Vec<FunctionKind<N>>) -> TypedFunctions<'a, S, V, J, N, G> {
+    fn functions(&self, kinds: Vec<FunctionKind<N>>) -> TypedFunctions<'a, S, V, J, N, G> {
         TypedFunctions {
-            view: *self,
-            mode: (S::UNDECIDED, S::Branch::default()),
+            system: self.system,
+            own: self.own,
+            jumps: self.jumps,
             kinds,
         }
     }
 }
 
 /// The functions of sections or jumps over typed states.
-pub(super) struct TypedFunctions<'a, S: Switched<N, G>, V, J, const N: usize, const G: usize> {
-    view: View<'a, S, V, J, N, G>,
-    /// The mode in which jumps are looked for.
-    pub(super) mode: (S::Mode, S::Branch),
+pub(super) struct TypedFunctions<'a, S, V, J, const N: usize, const G: usize> {
+    system: &'a S,
+    own: &'a V,
+    jumps: &'a J,
     kinds: Vec<FunctionKind<N>>,
 }
 
@@ -105,14 +106,13 @@ where
                     t: t.value(),
                     x: State::from(x.map(Scalar::value)),
                 };
-                let system = self.view.system;
-                let mode = system.mode_by_side(here.t, &here.x);
-                let branch = system.branch_of_field(mode, &here);
-                let velocity = system.with_flow(mode, branch, Velocity(t, x));
+                let mode = self.system.mode_by_side(here.t, &here.x);
+                let branch = self.system.branch_of_field(mode, &here);
+                let velocity = self.system.with_flow(mode, branch, Velocity(t, x));
                 velocity[0]
             }
-            FunctionKind::Own(own) => self.view.own.value(*own, t, x),
-            FunctionKind::Jump(jump) => self.view.when(*jump, self.mode, (t, x)),
+            FunctionKind::Own(own) => self.own.value(*own, t, x),
+            FunctionKind::Jump(jump) => self.jumps.when(*jump, t, x),
             FunctionKind::Never => T::one(),
         }
     }
@@ -122,24 +122,24 @@ where
             FunctionKind::Plane(plane) => plane.direction,
             FunctionKind::Turning => Direction::Falling,
             FunctionKind::Strobe(_) | FunctionKind::Never => Direction::Both,
-            FunctionKind::Own(own) => self.view.own.direction(*own),
-            FunctionKind::Jump(jump) => self.view.jumps.direction(*jump),
+            FunctionKind::Own(own) => self.own.direction(*own),
+            FunctionKind::Jump(jump) => self.jumps.direction(*jump),
         }
     }
 
     fn is_as_smooth_as_state(&self, number: usize) -> bool {
         match &self.kinds[number] {
             FunctionKind::Plane(_) | FunctionKind::Turning | FunctionKind::Never => true,
-            FunctionKind::Own(own) => self.view.own.is_as_smooth_as_state(*own),
-            FunctionKind::Jump(jump) => self.view.jumps.is_as_smooth_as_state(*jump),
+            FunctionKind::Own(own) => self.own.is_as_smooth_as_state(*own),
+            FunctionKind::Jump(jump) => self.jumps.is_as_smooth_as_state(*jump),
             FunctionKind::Strobe(_) => false,
         }
     }
     fn is_affine(&self, number: usize) -> bool {
         match &self.kinds[number] {
             FunctionKind::Plane(_) => true,
-            FunctionKind::Own(own) => self.view.own.is_affine(*own),
-            FunctionKind::Jump(jump) => self.view.jumps.is_affine(*jump),
+            FunctionKind::Own(own) => self.own.is_affine(*own),
+            FunctionKind::Jump(jump) => self.jumps.is_affine(*jump),
             FunctionKind::Turning | FunctionKind::Never | FunctionKind::Strobe(_) => false,
         }
     }

@@ -29,7 +29,6 @@ pub struct Typed<T, S, V, U, J, const N: usize, const G: usize> {
     pub(super) system: T,
     pub(super) section: V,
     jumps: U,
-    functions: Option<T>,
     pub(super) states: usize,
     pub(super) contacts: usize,
     interrupt: Option<Arc<Interrupt>>,
@@ -71,19 +70,11 @@ where
             system,
             section,
             jumps,
-            functions: None,
             states: states.min(N),
             contacts: contacts.min(S::CONTACTS),
             interrupt: None,
             kind: PhantomData,
         }
-    }
-
-    /// The system, with another one whose motion has the functions of those jumps that depend on
-    /// the modes of contacts, at the places of [`Jumps::by_mode`]. Its boundaries are the same, and
-    /// so are the rates of all states that these depend on.
-    pub fn with_functions(self, functions: Option<T>) -> Self {
-        Typed { functions, ..self }
     }
 
     /// The system, with orbits that end when the flag, if there is one, is raised.
@@ -96,7 +87,6 @@ where
             system: self.system.borrow(),
             own: &self.section,
             jumps: self.jumps.borrow(),
-            functions: self.functions.as_ref().map(Borrow::borrow),
             states: self.states,
             contacts: self.contacts,
             interrupt: self.interrupt.as_deref(),
@@ -312,7 +302,7 @@ where
         (value, of.vector(&slopes), in_time)
     }
 
-    fn reset_held(&self, number: usize, from: Modes, at: &Moment, held: f64) -> Reset {
+    fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset {
         let of = View {
             held: Some(held),
             ..self.view()
@@ -327,8 +317,7 @@ where
             Vector::from_fn(states, |i, _| change[i].eps)
         };
         let columns: Vec<Vector> = (0..states).map(along).collect();
-        let mode = of.with_branch(S::restored(from), &here);
-        let (gradient, in_time) = of.gradient(|t, x| of.when(jump, mode, (t, x)), &here);
+        let (gradient, in_time) = of.gradient(|t, x| of.jumps.when(jump, t, x), &here);
         let x_there = components(&x);
         let after = match of.jumps.happens(jump, t, x_there) {
             true => of.vector(&of.jumps.set(jump, t, x_there).into()),
@@ -338,7 +327,7 @@ where
             after,
             by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
             by_time: along(N),
-            value: of.when(jump, mode, (t, components(&x))),
+            value: of.jumps.when(jump, t, components(&x)),
             direction: of.jumps.direction(jump),
             gradient: of.vector(&gradient),
             in_time,
@@ -390,7 +379,6 @@ where
         system: of.system,
         own: of.section,
         jumps: &NoJumps,
-        functions: None,
         states: of.states,
         contacts: of.contacts,
         interrupt: None,

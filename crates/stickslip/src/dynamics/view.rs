@@ -7,11 +7,10 @@ use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
     EventOf, EventRecord, Integration, Options, PhaseOf, Switched, TOLERATED, TransitionKind,
-    TransitionOf, Velocity, gradient,
+    TransitionOf, gradient,
 };
 use crate::ode::Timed;
 use crate::orbit::SummaryOf;
-use crate::scalar::Scalar;
 use crate::system::{State, components};
 
 /// A typed system as seen from outside: conversions in both directions.
@@ -19,8 +18,6 @@ pub(super) struct View<'a, S, V, J, const N: usize, const G: usize> {
     pub(super) system: &'a S,
     pub(super) own: &'a V,
     pub(super) jumps: &'a J,
-    /// The system of the functions of jumps that depend on the modes of contacts.
-    pub(super) functions: Option<&'a S>,
     pub(super) states: usize,
     pub(super) contacts: usize,
     pub(super) interrupt: Option<&'a Interrupt>,
@@ -84,39 +81,6 @@ where
         }
     }
 
-    /// The function of a jump in a mode; not a number where the system of functions is missing.
-    #[inline(always)]
-    pub(super) fn when<T: Scalar>(
-        &self,
-        jump: usize,
-        (mode, branch): (S::Mode, S::Branch),
-        (t, x): (T, &[T; N]),
-    ) -> T {
-        match self.jumps.by_mode(jump) {
-            None => self.jumps.when(jump, t, x),
-            Some(place) => self.when_by_mode(place, (mode, branch), (t, x)),
-        }
-    }
-
-    #[inline(never)]
-    fn when_by_mode<T: Scalar>(
-        &self,
-        place: usize,
-        (mode, branch): (S::Mode, S::Branch),
-        (t, x): (T, &[T; N]),
-    ) -> T {
-        match self.functions {
-            Some(system) => system.with_flow(mode, branch, Velocity(t, x))[place],
-            None => T::constant(f64::NAN),
-        }
-    }
-
-    /// A mode with the branch of its field at a moment, for the functions that depend on them.
-    pub(super) fn with_branch(&self, mode: S::Mode, at: &Timed<N>) -> (S::Mode, S::Branch) {
-        let branch = |_| self.system.branch_of_field(mode, at);
-        (mode, self.functions.map(branch).unwrap_or_default())
-    }
-
     /// The jumps whose functions the motion from a state keeps, with what is off.
     pub(super) fn kept(&self, at: Timed<N>) -> impl Iterator<Item = (usize, f64)> {
         kept(self.jumps, at)
@@ -134,8 +98,7 @@ where
     /// [`Error::OffStop`] where more is off than errors within the tolerance may move it.
     pub(super) fn settled(&self, at: Timed<N>, options: &Options) -> Result<Timed<N>, Error> {
         for (jump, off) in self.kept(at) {
-            let function = |t, x: &_| self.jumps.when(jump, t, x);
-            let allowed = allowed(function, &at, (self.states, options));
+            let allowed = allowed(self.jumps, jump, &at, (self.states, options));
             if off.abs() > TOLERATED * allowed {
                 return Err(Error::OffStop {
                     number: self.contacts + jump,

@@ -57,7 +57,6 @@ impl<const N: usize> Traced<N> {
             states: N,
             contacts: 1,
         };
-        let equations = (equations, None);
         dynamics(equations, Vec::new(), Switching::none(N), size, None).expect("few states")
     }
 }

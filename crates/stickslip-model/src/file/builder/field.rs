@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::super::stops;
 use super::{BuildResult, Builder, Problem, Scope, are_same, no_number};
 use crate::expression::{Binary, Id};
 use crate::kernel::Combination;
@@ -18,7 +17,6 @@ impl Builder<'_> {
     /// The rates of all states, and of the parameters that are states.
     pub fn field(&mut self) -> Result<Vec<Id>, Problem> {
         let file = self.file;
-        let is_loaded = self.forces.is_none() && !file.stops.is_empty();
         let forces = match file.stops.is_empty() {
             true => Vec::new(),
             false => self.all_forces(0..0)?,
@@ -39,12 +37,6 @@ impl Builder<'_> {
             }
             built.push(self.directed(rate, formula.whole())?);
         }
-        if let Scope::Sides(of) = self.scope
-            && is_loaded
-            && !file.contacts.is_empty()
-        {
-            stops::prescribe(file, self.inputs, self.graph, (of, &mut built))?;
-        }
         for _ in 0..self.inputs.count_free() {
             let none = self.graph.constant(0.0);
             built.push(none.map_err(|error| no_number(error, 0..0))?);
@@ -58,19 +50,22 @@ impl Builder<'_> {
             return Ok(forces.clone());
         }
         let forces = match self.scope {
-            Scope::Sides(of) => stops::reactions(self.file, self.inputs, self.graph, of)?,
+            Scope::Sides(of) => {
+                super::super::stops::reactions(self.file, self.inputs, self.graph, of)?
+            }
             // Both ends of a gap have the same reaction on every side, or it has no one value.
             Scope::NoSides(_) | Scope::Constant(_) => {
-                let below = stops::reactions(self.file, self.inputs, self.graph, stops::BELOW)?;
-                for of in stops::combinations(self.file) {
-                    let here = stops::reactions(self.file, self.inputs, self.graph, of)?;
-                    if !are_same(self.graph, (&below, &here)) {
-                        let message = "the force of a stop depends here on the sides of contacts";
-                        return Err(Problem::new(message, place).help(
-                            "it can stand in [field], friction laws and the definitions that these \
-                             use",
-                        ));
-                    }
+                let all = (1 << self.file.contacts.len()) - 1;
+                let mut on = |above| {
+                    let of = Combination { above, held: 0 };
+                    super::super::stops::reactions(self.file, self.inputs, self.graph, of)
+                };
+                let (below, above) = (on(0)?, on(all)?);
+                if !are_same(self.graph, (&below, &above)) {
+                    let message = "the force of a stop depends here on the sides of contacts";
+                    return Err(Problem::new(message, place).help(
+                        "it can stand in [field], friction laws and the definitions that these use",
+                    ));
                 }
                 below
             }

@@ -445,66 +445,6 @@ pub(super) fn equations(
     Ok(found)
 }
 
-/// Replaces rates by those that the stops which carry prescribe, where friction acts along a gap:
-/// the rate of one state that the reaction pushes follows from the others. A body on the floor then
-/// rests exactly, on whatever side of a contact. What forces that cancel leave of it would count as
-/// an effect of the contact.
-pub(in super::super) fn prescribe(
-    file: &SystemFile,
-    inputs: Inputs<'_>,
-    graph: &mut Graph,
-    (of, rates): (Combination, &mut [Id]),
-) -> Result<(), Problem> {
-    let mut build = Build::new(file, inputs, graph)?;
-    let mut taken = Vec::new();
-    for (number, stop) in file.stops.iter().enumerate() {
-        let wrong = |error: NotANumber| no_number(error, stop.gap.whole());
-        let [gap, rate] = build.gap(graph, (stop, of))?;
-        let mut free = |graph: &mut Graph, of| {
-            let [_, without] = build.fields(graph, of)?;
-            derivative(graph, rate, motion(&without, build.one)).map_err(wrong)
-        };
-        let here = free(graph, of)?;
-        let mut is_sided = false;
-        for contact in 0..file.contacts.len() {
-            let above = of.above ^ 1 << contact;
-            let there = free(graph, Combination { above, ..of })?;
-            is_sided |= !graph.are_same(here, there);
-        }
-        // A contact that rests where the stop carries holds a part of the load.
-        if !is_sided || build.shared(graph, (number, gap, rate), of)? != 0 {
-            continue;
-        }
-        let states = 0..stop.acts.len().min(rates.len());
-        for state in states.filter(|&state| stop.acts[state].is_some()) {
-            let only = |of| (of == GraphInput::State(state)).then_some(build.one);
-            let slope = derivative(graph, rate, only).map_err(wrong)?;
-            let is_fit = graph.is_held(slope) && !graph.is(slope, Test::Zero);
-            if !is_fit || taken.contains(&state) {
-                continue;
-            }
-            let closed = graph.state(stop.closed);
-            let prescribed = (|| {
-                let others = |of| match of {
-                    GraphInput::State(other) if other == state => None,
-                    of => motion(rates, build.one)(of),
-                };
-                let rest = derivative(graph, rate, others)?;
-                let against = graph.negative(rest)?;
-                let there = graph.binary(Binary::Quotient, against, slope)?;
-                let there = graph.binary(Binary::Product, closed, there)?;
-                let open = graph.binary(Binary::Difference, build.one, closed)?;
-                let here = graph.binary(Binary::Product, open, rates[state])?;
-                graph.binary(Binary::Sum, there, here)
-            })();
-            rates[state] = prescribed.map_err(wrong)?;
-            taken.push(state);
-            break;
-        }
-    }
-    Ok(())
-}
-
 /// The fault of a stop whose reaction changes the second derivative of its gap by `own`, which is
 /// not positive.
 fn unopened(

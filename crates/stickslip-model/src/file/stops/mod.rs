@@ -11,7 +11,7 @@ mod equations;
 
 use equations::{StopEquations, acts, by_state, check_slopes, derivative, equations, push, ways};
 
-pub(super) use equations::{openings, prescribe, reactions};
+pub(super) use equations::{openings, reactions};
 
 use super::build::tape;
 use super::builder::{Builder, Inputs, Scope, are_same, no_number};
@@ -98,8 +98,6 @@ pub(super) fn events(stops: &[StopEntry], states: usize) -> impl Iterator<Item =
 pub(super) struct Events {
     /// The function at whose zero each event occurs, by stop: impact, lift-off, landing.
     pub when: Vec<[Id; 3]>,
-    /// Whether those of lift-off depend on modes: see [`lift_offs`].
-    by_mode: bool,
     /// The law of impact.
     pub impacts: Impacts,
 }
@@ -113,39 +111,23 @@ impl Events {
             StopEvent::Landing => 2,
         }]
     }
-
-    /// Whether the function of an event depends on modes.
-    pub(super) fn by_mode(&self, event: StopEvent) -> bool {
-        self.by_mode && event == StopEvent::LiftOff
-    }
 }
 
 /// Most contacts of which all combinations of sides are compared. Chosen: 64 builds of a field.
 const MOST_COMBINED: usize = 6;
 
-/// All contacts below, and none that holds.
-pub(super) const BELOW: Combination = Combination { above: 0, held: 0 };
-
-/// The combinations to compare with [`BELOW`]: with many contacts, those of each contact alone
-/// above, and of all others. With static friction, all of them hold as well.
-pub(super) fn combinations(file: &SystemFile) -> Vec<Combination> {
-    let contacts = file.contacts.len();
+/// The combinations of sides to compare with that of all contacts below: with many contacts, those
+/// of each contact alone, and of all others.
+fn combinations(contacts: usize) -> Vec<usize> {
+    if contacts <= MOST_COMBINED {
+        return (1..1 << contacts).collect();
+    }
     let all = (1 << contacts) - 1;
-    let above: Vec<usize> = match contacts <= MOST_COMBINED {
-        true => (0..=all).collect(),
-        false => {
-            let alone = (0..contacts).map(|contact| 1 << contact);
-            let alone = alone.flat_map(|one| [one, all ^ one]);
-            alone.chain([0, all]).collect()
-        }
-    };
-    let mut holding = file.contacts.iter();
-    let held = match holding.any(|contact| contact.holding.is_some()) {
-        true => vec![0, all],
-        false => vec![0],
-    };
-    let each = |held| above.iter().map(move |&above| Combination { above, held });
-    held.into_iter().flat_map(each).collect()
+    let alone = (0..contacts).map(|contact| 1 << contact);
+    alone
+        .flat_map(|one| [one, all ^ one])
+        .chain([all])
+        .collect()
 }
 
 /// The events of the stops of a file, which has some.
@@ -154,123 +136,66 @@ pub(super) fn built(
     inputs: Inputs<'_>,
     graph: &mut Graph,
 ) -> Result<Events, Problem> {
-    let below = equations(file, inputs, graph, BELOW)?;
+    let below = equations(file, inputs, graph, Combination { above: 0, held: 0 })?;
     check_slopes(file, inputs, graph, &below)?;
-    let forces = reactions(file, inputs, graph, BELOW)?;
+    let sided = |name: &str, what: &str| {
+        format!("the {what} of the gap of the stop `{name}` depends on the side of a contact")
+    };
+    let none = Combination { above: 0, held: 0 };
+    let forces = reactions(file, inputs, graph, none)?;
     // Sides may cancel where all contacts are on one, so that each combination counts.
     let mut is_one_force = true;
-    let mut is_free_of_sides = true;
-    for of in combinations(file) {
+    let mut is_free_of_sides = vec![true; file.stops.len()];
+    for above in combinations(file.contacts.len()) {
+        let of = Combination { above, held: 0 };
         let there = equations(file, inputs, graph, of)?;
         let here = reactions(file, inputs, graph, of)?;
         is_one_force &= are_same(graph, (&here, &forces));
-        is_free_of_sides &= are_same(graph, (&below.free, &there.free));
         for (number, stop) in file.stops.iter().enumerate() {
             if !graph.are_same(below.rates[number], there.rates[number]) {
-                let message = format!(
-                    "the rate of the gap of the stop `{}` depends on the side of a contact",
-                    stop.name
-                );
+                let message = sided(&stop.name, "rate");
                 return Err(Problem::new(message, stop.gap.whole())
                     .help("a gap is a position: friction acts on its second derivative"));
             }
+            is_free_of_sides[number] &= graph.are_same(below.free[number], there.free[number]);
         }
-    }
-    let follows = !is_one_force && file.stops.len() == 1 && is_free_of_sides;
-    let by_mode = !is_one_force && !follows;
-    if by_mode {
-        check_boundaries(file, inputs, graph)?;
     }
     let acts = acts(file, inputs, graph)?;
     let mut when = Vec::new();
     for (number, stop) in file.stops.iter().enumerate() {
+        if !is_one_force && (file.stops.len() > 1 || !is_free_of_sides[number]) {
+            let message = sided(&stop.name, "second derivative");
+            return Err(Problem::new(message, stop.place.clone()).help(
+                "friction acts along a gap only where its contact rests while the stop carries, \
+                 or where it follows the force of the only stop",
+            ));
+        }
         let function = (|| {
             let closed = graph.state(stop.closed);
             let gap = graph.binary(Binary::Sum, below.gaps[number], closed)?;
             // Without reaction there is no friction that follows it, so that the second derivative
             // without reaction vanishes with it on either side.
-            let force = match follows {
+            let force = match is_one_force {
+                // By what it adds to the second derivative: bodies may be as light as one likes.
                 true => {
+                    let unit = derivative(graph, below.rates[number], push(&acts[number]))?;
+                    let unit = graph.call(Function::Abs, unit)?;
+                    graph.binary(Binary::Product, forces[number], unit)?
+                }
+                false => {
                     let against = graph.negative(below.free[number])?;
                     graph.binary(Binary::Product, against, closed)?
                 }
-                false => effect(graph, (below.rates[number], &acts[number]), forces[number])?,
             };
-            Ok([gap, lift_off(graph, force, closed)?, below.rates[number]])
+            let one = graph.constant(1.0)?;
+            let open = graph.binary(Binary::Difference, one, closed)?;
+            let lift = graph.binary(Binary::Sum, force, open)?;
+            Ok([gap, lift, below.rates[number]])
         })();
         when.push(function.map_err(|error| no_number(error, stop.place.clone()))?);
     }
     let impacts = impacts(file, inputs, graph, (&below, &acts))?;
-    Ok(Events {
-        when,
-        by_mode,
-        impacts,
-    })
-}
-
-/// What a reaction adds to the second derivative of its gap without friction that follows it, with
-/// the sign of the reaction: bodies may be as light as one likes.
-fn effect(
-    graph: &mut Graph,
-    (rate, acts): (Id, &[Option<Id>]),
-    force: Id,
-) -> Result<Id, NotANumber> {
-    let unit = derivative(graph, rate, push(acts))?;
-    let unit = graph.call(Function::Abs, unit)?;
-    graph.binary(Binary::Product, force, unit)
-}
-
-/// The function of lift-off: the effect of the reaction, which vanishes while the stop is open, and
-/// 1 then.
-fn lift_off(graph: &mut Graph, force: Id, closed: Id) -> Result<Id, NotANumber> {
-    let one = graph.constant(1.0)?;
-    let open = graph.binary(Binary::Difference, one, closed)?;
-    graph.binary(Binary::Sum, force, open)
-}
-
-/// The functions of lift-off of all stops in one combination of sides. They are affine in what a
-/// contact that sticks combines of its sides, as the reactions are.
-pub(super) fn lift_offs(
-    file: &SystemFile,
-    inputs: Inputs<'_>,
-    graph: &mut Graph,
-    of: Combination,
-) -> Result<Vec<Id>, Problem> {
-    let rates = equations(file, inputs, graph, of)?.rates;
-    let forces = reactions(file, inputs, graph, of)?;
-    let acts = acts(file, inputs, graph)?;
-    let mut functions = Vec::with_capacity(forces.len());
-    for (number, stop) in file.stops.iter().enumerate() {
-        let closed = graph.state(stop.closed);
-        let force = effect(graph, (rates[number], &acts[number]), forces[number]);
-        let function = force.and_then(|force| lift_off(graph, force, closed));
-        functions.push(function.map_err(|error| no_number(error, stop.place.clone()))?);
-    }
-    Ok(functions)
-}
-
-/// Refuses contacts whose boundaries move when a stop closes or opens, beside reactions that depend
-/// on their sides.
-fn check_boundaries(
-    file: &SystemFile,
-    inputs: Inputs<'_>,
-    graph: &mut Graph,
-) -> Result<(), Problem> {
-    for contact in &file.contacts {
-        let scope = Scope::NoSides("a boundary");
-        let boundary = Builder::new(file, inputs, graph, scope).formula(&contact.boundary)?;
-        let is_closed = |state| file.stops.iter().any(|stop| stop.closed == state);
-        if graph.depends_on_states(boundary, is_closed) {
-            let message = format!(
-                "the boundary of contact `{}` depends on whether a stop carries, and the reaction \
-                 of a stop on the side of a contact",
-                contact.name
-            );
-            return Err(Problem::new(message, contact.boundary.whole())
-                .help("leave NAME.closed out of the boundary, or friction along the gap"));
-        }
-    }
-    Ok(())
+    Ok(Events { when, impacts })
 }
 
 /// Size of a number as the sum of the sizes of its parts that are linear in the states.

@@ -42,7 +42,7 @@ impl SegmentEnd {
 /// The state after a transition.
 fn after(system: &dyn Dynamics, at: &Transition) -> Vector {
     match at.kind {
-        TransitionKind::Jump => system.reset(at.contact, at.from, &at.moment()).after,
+        TransitionKind::Jump => system.reset(at.contact, &at.moment()).after,
         _ => at.x.clone(),
     }
 }

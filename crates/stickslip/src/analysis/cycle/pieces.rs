@@ -236,7 +236,7 @@ impl Shooting<'_> {
             .collect();
         let (mut landed, mut landed_in_time) = (Matrix::identity(n, n), Vector::zeros(n));
         for number in self.system.landings(at) {
-            let landing = self.system.reset(number, segment.mode, at);
+            let landing = self.system.reset(number, at);
             landed = product(&landing.by_state, &landed);
             landed_in_time = &landing.by_state * landed_in_time + landing.by_time;
         }

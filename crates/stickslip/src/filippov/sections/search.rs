@@ -318,16 +318,6 @@ where
         is_same
     }
 
-    /// The functions.
-    pub(crate) fn events(&self) -> &V {
-        &self.events
-    }
-
-    /// The functions, of which some may change between two steps.
-    pub(crate) fn events_mut(&mut self) -> &mut V {
-        &mut self.events
-    }
-
     /// Last sign of a function; 0 while unknown.
     pub(crate) fn side(&self, number: usize) -> f64 {
         self.known[number].side
