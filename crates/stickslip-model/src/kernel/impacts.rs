@@ -1,9 +1,7 @@
 //! Newton's law of restitution at stops that close or touch.
 //!
 //! The impulses `P ≥ 0` and the rates of the gaps after them, `u⁺ = u⁻ + G P`, are complementary:
-//! `w ≥ 0` with `P·w = 0`. If a gap closes, `w = u⁺ + e u⁻`; else `w = u⁺`. An impulse at a gap that
-//! opens does positive work. Where the work of all is positive, as at the end of impacts that
-//! accumulate at several gaps, `w = u⁺` at all of them: that is a projection, which adds no energy.
+//! `w ≥ 0` with `P·w = 0`. If a gap closes, `w = u⁺ + e u⁻`; else `w = u⁺`.
 //!
 //! Sources: Moreau, *Unilateral contact and dry friction in finite freedom dynamics*, CISM 302
 //! (1988); Glocker, *Set-Valued Force Laws*, 2001, Sect. 9.
@@ -268,7 +266,7 @@ impl Impacts {
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
         let of = |stop: usize, part: usize| parts[stop * width + part];
-        let mut touching: Vec<Touching<T>> = (0..count)
+        let touching: Vec<Touching<T>> = (0..count)
             .filter_map(|stop| {
                 let (gap, rate) = (of(stop, 0), of(stop, 2));
                 let is_closed = x[self.closed[stop]].value() > 0.5;
@@ -299,13 +297,9 @@ impl Impacts {
             return None;
         }
         let is_defined = touching.iter().all(Touching::has_restitution);
-        let mut impulses = is_defined.then(|| complementary(&touching)).flatten();
-        if (impulses.as_ref()).is_some_and(|found| adds_energy(&touching, found)) {
-            (touching.iter_mut()).for_each(|one| one.restitution = T::zero());
-            impulses = complementary(&touching);
-        }
+        let impulses = is_defined.then(|| impulses(&touching));
         Some(Strike {
-            impulses,
+            impulses: impulses.flatten(),
             touching,
             parts,
         })
@@ -328,22 +322,9 @@ fn rate_after<T: Scalar>(
     })
 }
 
-/// Whether impulses do positive work: half of each by the sum of the rates before and after.
-fn adds_energy<T: Scalar>(touching: &[Touching<T>], impulses: &[Option<T>]) -> bool {
-    let (mut work, mut rounding) = (0.0, 0.0);
-    for (one, impulse) in touching.iter().zip(impulses) {
-        if let Some(impulse) = *impulse {
-            let (after, size) = rate_after(one, touching, impulses);
-            work += 0.5 * impulse.value() * (one.rate.value() + after.value());
-            rounding += ROUNDING * size * impulse.value().abs();
-        }
-    }
-    work > rounding
-}
-
 /// The impulses that follow the law: those of the smallest set of stops that does. `None` stands
 /// for no impulse.
-fn complementary<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
+fn impulses<T: Scalar>(touching: &[Touching<T>]) -> Option<Vec<Option<T>>> {
     let mut sets: Vec<usize> = (0..1 << touching.len()).collect();
     sets.sort_by_key(|set| set.count_ones());
     sets.into_iter().find_map(|set| {

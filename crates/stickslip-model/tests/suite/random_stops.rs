@@ -357,14 +357,6 @@ fn random_chains_keep_their_gaps_and_lose_energy() {
     assert!(outcome.events > 2000, "{}", outcome.events);
 }
 
-/// Impacts that accumulate at three stops end in one that all of them share.
-#[test]
-fn an_impact_at_three_stops_adds_no_energy() {
-    for seed in [1829, 3740, 8884, 9148] {
-        check(&examined(seed..seed + 1), 200);
-    }
-}
-
 #[test]
 #[ignore = "takes minutes; make random runs it"]
 fn ten_thousand_random_chains_keep_their_gaps_and_lose_energy() {
