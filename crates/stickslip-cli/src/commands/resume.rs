@@ -30,7 +30,8 @@ pub(super) struct End {
     /// Dependencies of the run besides its start, by name: the hash of the system's text, its
     /// parameters, the options of the solver.
     depends_on: BTreeMap<String, String>,
-    /// Words for how it ended.
+    /// Words for how it ended. An earlier format without them is refused by its number.
+    #[serde(default)]
     ending: String,
     /// Hash of the memory: a changed one would go on from nowhere.
     sha256: String,

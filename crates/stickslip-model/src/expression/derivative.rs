@@ -96,21 +96,20 @@ impl Graph {
 
     /// Whether a number, set as a state, has a continuum of neighbours: its slope along one of
     /// these states is a factor. A slope that is held is one if it is neither 0, 1 nor −1. Another
-    /// one is if the number is a curved function of that state, or a product with the state that
-    /// is set. A condition may choose it.
+    /// one is if the number is a curved function of that state. A condition may choose it.
     ///
     /// # Errors
     /// As [`Graph::along`].
     pub fn multiplies(
         &mut self,
-        (set, root): (usize, Id),
+        root: Id,
         states: impl Iterator<Item = usize>,
     ) -> Result<bool, NotANumber> {
         let one = self.constant(1.0)?;
         for state in states {
             let along = |input| (input == GraphInput::State(state)).then_some(one);
             if let Some(slope) = self.along(root, along)?
-                && self.is_factor(slope, (state, state == set))
+                && self.is_factor(slope, state)
             {
                 return Ok(true);
             }
@@ -118,17 +117,17 @@ impl Graph {
         Ok(false)
     }
 
-    /// Whether a slope along a state, which may be the one that is set, is a factor in some case.
-    fn is_factor(&self, id: Id, (state, is_own): (usize, bool)) -> bool {
+    /// Whether a slope along a state is a factor in some case.
+    fn is_factor(&self, id: Id, state: usize) -> bool {
         if self.is_held(id) {
             let size = self.value(id).map(f64::abs);
             return size != Some(0.0) && size != Some(1.0);
         }
-        let of = |id: Id| self.is_factor(id, (state, is_own));
+        let of = |id: Id| self.is_factor(id, state);
         match self.node(id) {
             Node::Negative(a) | Node::WherePositive(_, a) | Node::WhereNotPositive(_, a) => of(a),
             Node::Sum(a, b) | Node::Difference(a, b) => of(a) || of(b),
-            _ => is_own || self.depends_on_states(id, |of| of == state),
+            _ => self.depends_on_states(id, |of| of == state),
         }
     }
 

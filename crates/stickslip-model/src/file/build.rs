@@ -520,9 +520,7 @@ fn discrete(file: &SystemFile, graph: &mut Graph, sets: &[Vec<Id>]) -> Vec<bool>
                 && sets.iter().any(|set| {
                     let others = (0..discrete.len()).filter(|&other| discrete[other]);
                     !graph.is_isolated_from(set[state], varies)
-                        || graph
-                            .multiplies((state, set[state]), others)
-                            .unwrap_or(false)
+                        || graph.multiplies(set[state], others).unwrap_or(false)
                 })
         };
         match (0..discrete.len()).find(|&state| is_held(state)) {
