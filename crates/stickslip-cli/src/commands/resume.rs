@@ -7,6 +7,7 @@ use output::Artifact;
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
 use stickslip::dynamics::{Moment, RunMemory};
+use stickslip::error::readable;
 
 use crate::failure::Failure;
 use crate::sweep::digest;
@@ -154,7 +155,8 @@ impl End {
                 usage(format!(
                     "--resume: {at} is of a run that ended at t = {} ({}), from where none goes \
                      on; begin with --start",
-                    end.t, end.ending
+                    readable(end.t),
+                    end.ending
                 ))
             }),
             Some((name, there, here)) => Err(usage(format!(

@@ -208,7 +208,7 @@ fn a_record_has_an_input_from_a_file() {
     write("one.csv", "t,x\n1,3\n2,6\n4,12\n");
     write("two.csv", "t,x\n1,6\n2,12\n4,24\n");
     write("drive.csv", "t;u\n0;2\n4;2\n");
-    let arguments = |input: &'static str| {
+    let arguments = |inputs: &[&'static str]| {
         let mut all = vec![
             "fit",
             "integrator.toml",
@@ -217,18 +217,13 @@ fn a_record_has_an_input_from_a_file() {
             "--fit",
             "gain",
         ];
-        all.extend([
-            "--observe",
-            "x",
-            "--sigma",
-            "0.01",
-            "--json",
-            "--input-in",
-            input,
-        ]);
+        all.extend(["--observe", "x", "--sigma", "0.01", "--json"]);
+        for input in inputs {
+            all.extend(["--input-in", input]);
+        }
         program(top.path()).args(all).assert()
     };
-    let done = arguments("2:u=drive.csv").success();
+    let done = arguments(&["2:u=drive.csv"]).success();
     let told: serde_json::Value = serde_json::from_slice(&done.get_output().stdout).unwrap();
     let gain = told["values"][0]["value"].as_f64().unwrap();
     assert!((gain - 3.0).abs() < 1e-9, "{told}");
@@ -238,8 +233,10 @@ fn a_record_has_an_input_from_a_file() {
         ("2:w=drive.csv", "there is no input `w`"),
         ("2:u=none.csv", "its path begins in the working folder"),
     ] {
-        arguments(input).code(2).stderr(contains(said));
+        arguments(&[input]).code(2).stderr(contains(said));
     }
+    let twice = arguments(&["2:u=drive.csv", "2:u=drive.csv"]).code(2);
+    twice.stderr(contains("the input stands twice for one record"));
 }
 
 #[test]

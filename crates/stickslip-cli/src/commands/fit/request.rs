@@ -191,6 +191,14 @@ pub(super) fn wanted(
     let set_in = values("--set-in", &arguments.set_in)?;
     let start_in = values("--start-in", &arguments.start_in)?;
     let input_in = of_records("--input-in", &arguments.input_in, count, table)?;
+    for of_record in &input_in {
+        let mut names: Vec<&String> = of_record.iter().map(|(name, ..)| name).collect();
+        names.sort();
+        if let Some(twice) = names.windows(2).find(|two| two[0] == two[1]) {
+            let why = "the input stands twice for one record; give it once";
+            return Err(wrong("--input-in", twice[0], why));
+        }
+    }
     let columns: Vec<&str> = observables.iter().map(|one| &*one.name).collect();
     let common = arguments.run.start.assignments()?;
     let mut notes = Vec::new();
