@@ -799,8 +799,8 @@ end = 4
                 let off = (found - wanted).abs();
                 assert!(off < 1e-7, "{method}, impact {n}: {found} for {wanted}");
             }
-            time += 2.0 * r.powi(n);
-            slope += 2.0 * f64::from(n) * r.powi(n - 1);
+            time += 2.0 * math::powi(r, n);
+            slope += 2.0 * f64::from(n) * math::powi(r, n - 1);
         }
     }
 }
