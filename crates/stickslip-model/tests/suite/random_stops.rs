@@ -267,28 +267,11 @@ fn name(error: &Error) -> String {
     text.split(' ').next().unwrap_or_default().to_owned()
 }
 
-/// Whether two runs have the same first events. An event that another one follows within the
-/// tolerance may be missing in one run: rounding decides how many impacts come before a landing.
-/// It also decides whether a stop lets go that the release of another one closes again.
+/// Whether two runs have the same first events.
 fn are_alike([one, other]: &[Found; 2]) -> bool {
-    let (mut one, mut other) = (&one.events[..], &other.events[..]);
-    let is_followed = |of: &[(usize, f64)]| of.len() > 1 && of[1].1 - of[0].1 < TIME_TOLERANCE;
-    for _ in 0..MAX_COMPARED {
-        while let (Some(a), Some(b)) = (one.first(), other.first()) {
-            if a.0 == b.0 && (a.1 - b.1).abs() < TIME_TOLERANCE {
-                (one, other) = (&one[1..], &other[1..]);
-                break;
-            }
-            if is_followed(one) && (a.1 <= b.1 || !is_followed(other)) {
-                one = &one[1..];
-            } else if is_followed(other) {
-                other = &other[1..];
-            } else {
-                return false;
-            }
-        }
-    }
-    true
+    let both = one.events.iter().zip(&other.events).take(MAX_COMPARED);
+    both.into_iter()
+        .all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() < TIME_TOLERANCE)
 }
 
 /// Outcome of so many random chains.

@@ -48,9 +48,9 @@ pub type SeenPhase = (f64, f64, Mode);
 /// slip costs the logarithm of the range of speeds, one in stick that of its deviation from zero,
 /// and a change that of the number of speeds. Phases of a few rows are left out.
 ///
-/// A column shows modes where those of the motion itself are found so from its exact values, and
-/// from these with each of 300 records of simulated noise (a parametric bootstrap). Noise alone
-/// then gives another sequence in less than 1 % of all records.
+/// A column shows modes where its exact values give those of the motion itself. So must each of 300
+/// records with simulated noise (a parametric bootstrap). Noise alone then gives another sequence
+/// in less than 1 % of all records.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenModes {
     /// Index of the record, from 0.
