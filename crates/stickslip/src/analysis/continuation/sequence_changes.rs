@@ -287,16 +287,23 @@ impl Continuation<'_> {
             of_jumps.filter(|margin| margin.is_of_jump && margin.kind == MarginKind::Arrival);
         let places = of_jumps.filter_map(|margin| {
             let before = before.margin_like(margin)?.value;
-            Some((margin.value * gone / (before - margin.value), margin))
+            Some((line.heading() * gone / (before - margin.value), margin))
         });
-        let places = places.filter(|(ahead, _)| (0.0..=step).contains(ahead));
-        let (ahead, margin) = places.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        let ahead = line.heading() * ahead;
+        let is_within = |rate: f64, margin: &Margin| {
+            (0.0..=step).contains(&(margin.value * rate / line.heading()))
+        };
+        let places = places.filter(|(rate, margin)| is_within(*rate, margin));
+        let ahead = |(rate, margin): &(f64, &Margin)| (margin.value * rate).abs();
+        let (rate, margin) = places.min_by(|a, b| ahead(a).total_cmp(&ahead(b)))?;
+        let row = last.outline.unit(self.place());
+        let finer = (self.shooting.finer()).solve(&last.outline, Some((&row, self.parameter())));
+        let finer = finer.and_then(|finer| Some(finer.margin_like(margin)?.value));
+        let of_steps = finer.map_or(f64::NAN, |finer| SAFETY * (finer - margin.value).abs());
         let at = LocatedZero {
             s: 0.0,
-            parameter: self.parameter() + ahead,
+            parameter: self.parameter() + margin.value * rate,
             solution: last.clone(),
-            uncertainty: ahead.abs(),
+            uncertainty: (margin.value.abs() + of_steps) * rate.abs(),
         };
         Some(Change {
             at,
