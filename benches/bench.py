@@ -150,6 +150,7 @@ def orbit_rows(example, name, problem, rounds):
     ours = []
     for one in compiled(example, name):
         row = common | {"solver": one["solver"], "tolerance": float(one["tolerance"]), "note": ""}
+        row["steps"] = int(one["steps"])
         row |= {"compile_s": 0.0, "events": len(one["events"]), "seconds": [], "error": None}
         try:
             row["error"] = event_error(one["events"], reference)
@@ -163,6 +164,8 @@ def orbit_rows(example, name, problem, rounds):
         for solver, setting, tolerance, build in curves:
             row = common | {"solver": solver, "setting": setting, "tolerance": tolerance}
             call = prepared(row, build, lambda events: event_error(events, reference))
+            # Peers do not report accepted steps alike.
+            row["steps"] = getattr(call, "steps", None)
             theirs.append(row)
             calls += [(row, call)] if call else []
 
@@ -207,8 +210,10 @@ def orbits(wanted):
         times = row["seconds"]
         row["median_s"] = statistics.median(times) if times else None
         row["min_s"] = min(times, default=None)
+        both = row["median_s"] and row["steps"]
+        row["step_ns"] = 1e9 * row["median_s"] / row["steps"] if both else None
     columns = "solver problem setting tolerance error events "
-    columns += "median_s min_s compile_s process_s note"
+    columns += "median_s min_s compile_s process_s steps step_ns note"
     tables.write(wanted.out / "bench.csv", columns.split(), rows)
     versions = [
         pair

@@ -6,6 +6,7 @@ Only the standard library is needed here.
 import csv
 import math
 import os
+import platform
 import re
 import statistics
 from pathlib import Path
@@ -47,8 +48,22 @@ def write_text(path, text):
     print(f"wrote {path}")
 
 
+def machine():
+    """The processor and its number of cores, as columns of a table of times."""
+    name = platform.processor() or platform.machine()
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+        name = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)[1]
+    except (OSError, TypeError):
+        # Elsewhere the platform's own name does.
+        pass
+    return {"processor": name, "cores": os.cpu_count()}
+
+
 def write(path, columns, rows):
-    """Writes rows as CSV, whole or not at all."""
+    """Writes rows of times as CSV, with the machine in each, whole or not at all."""
+    of = machine()
+    columns, rows = [*columns, *of], [row | of for row in rows]
     beside = f"{path}.part"
     with open(beside, "w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, columns, lineterminator="\n", extrasaction="ignore")

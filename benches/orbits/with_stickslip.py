@@ -26,7 +26,8 @@ def prepare(problem, tolerance):
     span, start = (problem["t_start"], problem["t_end"]), problem["start"]
 
     def call():
-        found = ss.solve_ivp(system, span, start, rtol=tolerance, atol=tolerance).transitions
+        sol = ss.solve_ivp(system, span, start, rtol=tolerance, atol=tolerance)
+        found, call.steps = sol.transitions, len(sol.t) - 1
         pairs = zip(found["kind"].tolist(), found["t"].tolist())
         # Touches change no mode, and the peers do not report them.
         return [(KINDS[kind], t) for kind, t in pairs if kind in KINDS]

@@ -2,7 +2,7 @@
 //! `benches/bench.py` runs it beside the peers.
 //!
 //! ```text
-//! bench PROBLEM                   solver,tolerance,seconds,events for every solver and tolerance
+//! bench PROBLEM                   solver,tolerance,seconds,steps,events for all solvers, tolerances
 //! bench PROBLEM SOLVER TOLERANCE  kind,time of each event: what is timed as a whole process
 //! bench draw TABLE FOLDER         draws report/bench.csv as bench.svg
 //! ```
@@ -58,26 +58,27 @@ fn main() -> ExitCode {
 
 fn measure(name: &str) -> Result<String, Box<dyn Error>> {
     let problem = Problem::named(name)?;
-    let mut text = String::from("solver,tolerance,seconds,events\n");
+    let mut text = String::from("solver,tolerance,seconds,steps,events\n");
     for (solver, method) in SOLVERS {
         let count = TOLERANCES.len() - usize::from(method == Method::Dop853);
         for tolerance in &TOLERANCES[..count] {
             let options = Options::tol(*tolerance).method(method);
             let (mut events, mut calls, begin) = (Vec::new(), 0_u32, Instant::now());
-            let seconds = loop {
-                black_box(&problem).solve(black_box(&options), &mut events)?;
+            let (seconds, steps) = loop {
+                let steps = black_box(&problem).solve(black_box(&options), &mut events)?;
                 black_box(&events);
                 calls += 1;
                 let spent = begin.elapsed().as_secs_f64();
                 if spent >= SAMPLE_TIME {
-                    break spent / f64::from(calls);
+                    break (spent / f64::from(calls), steps);
                 }
             };
             let events: Vec<String> = events
                 .iter()
                 .map(|(kind, t)| format!("{kind}@{t:e}"))
                 .collect();
-            text += &format!("{solver},{tolerance:e},{seconds:e},{}\n", events.join(";"));
+            let events = events.join(";");
+            text += &format!("{solver},{tolerance:e},{seconds:e},{steps},{events}\n");
         }
     }
     Ok(text)

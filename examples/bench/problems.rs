@@ -136,11 +136,12 @@ impl Problem {
         })
     }
 
-    /// Computes the events up to the end time. `events` is cleared first, and its memory is reused.
+    /// Computes the events up to the end time, and returns the number of steps. `events` is cleared
+    /// first, and its memory is reused.
     ///
     /// # Errors
     /// The solver's error.
-    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<(), String> {
+    pub fn solve(&self, options: &Options, events: &mut Vec<Event>) -> Result<u64, String> {
         events.clear();
         match &self.system {
             System::Belt(system) => self.events(system, options, events),
@@ -155,7 +156,7 @@ impl Problem {
         system: &S,
         options: &Options,
         events: &mut Vec<Event>,
-    ) -> Result<(), String> {
+    ) -> Result<u64, String> {
         let start = <[f64; N]>::try_from(&self.start[..])
             .map_err(|_| format!("the start has {} numbers for {N} states", self.start.len()))?;
         let mut recorder = EventRecorder(events);
@@ -168,7 +169,7 @@ impl Problem {
             options,
             &mut recorder,
         )
-        .map(drop)
+        .map(|ended| ended.counters.steps)
         .map_err(|error| error.to_string())
     }
 }

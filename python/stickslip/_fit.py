@@ -255,7 +255,7 @@ class FitResult(Result):
         That end in words.
     work : (int, int, int)
         Steps, runs, and runs that failed.
-    changes : (int, int, int)
+    changes : (int, int, int or None)
         Steps that changed the sequence of phases, changes at which the residuals jump, and grazing
         impacts between start and result, at which the residuals have a square root.
     others : list of (list of float, float)
@@ -291,7 +291,7 @@ class FitResult(Result):
     end: str
     ending: str
     work: tuple[int, int, int]
-    changes: tuple[int, int, int]
+    changes: tuple[int, int, int | None]
     others: list[tuple[list[float], float]]
     system: System
 
@@ -367,10 +367,14 @@ class FitResult(Result):
         rows.append(f"  {self.ending}: {steps} steps, {runs} runs, {failed} of which failed")
         if any(self.changes):
             crossings, jumps, grazes = self.changes
-            roots = f"; grazing impacts, at which they have a square root: {grazes}"
+            roots = ""
+            if grazes is None:
+                roots = "; grazing impacts are not looked for in parts"
+            elif grazes:
+                roots = f"; grazing impacts, at which they have a square root: {grazes}"
             rows.append(
                 f"  the sequence of phases changed in {crossings} steps; the residuals jumped at "
-                f"{jumps} changes{roots if grazes else ''}"
+                f"{jumps} changes{roots}"
             )
         if self.mismatch is not None:
             rows.append(

@@ -21,7 +21,7 @@ pub(super) fn variables(system: &System, list: &str) -> Result<Variables, Failur
 }
 
 /// Adds the tables of the derivatives of a recorded run: derivatives.csv, with a row for each of
-/// steps.csv, and event_derivatives.csv.
+/// steps.csv, event_derivatives.csv and, if the file has a section, section_derivatives.csv.
 pub(super) fn put(
     system: &System,
     (variables, found): (&Variables, &OrbitDerivatives),
@@ -41,11 +41,19 @@ pub(super) fn put(
         );
         report.table(table.csv("derivatives", rows)?);
     }
-    let mut names: Vec<String> = variables
-        .names
-        .iter()
-        .map(|by| format!("dt/d{by}"))
-        .collect();
+    let of_times = variables.names.iter().map(|by| format!("dt/d{by}"));
+    let of_times: Vec<String> = of_times.collect();
+    if !system.sections().is_empty() {
+        // A passage does not change the state.
+        let names = [of_times.clone(), of_states].concat();
+        let table = Table::new()
+            .column("t", |(_, of): &&(usize, EventDerivatives)| of.at)
+            .many("derivatives", names, |(_, of)| {
+                [of.t.clone(), row_by_row(&of.before)].concat()
+            });
+        report.table(table.csv("section_derivatives", found.passages.iter())?);
+    }
+    let mut names = of_times;
     names.extend(column_names(system, variables, "before_"));
     names.extend(column_names(system, variables, "after_"));
     type Row<'r> = (&'r OrbitEvent, &'r EventDerivatives);

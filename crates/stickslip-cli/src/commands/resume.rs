@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use output::Artifact;
 use serde::{Deserialize, Serialize};
 use stickslip::Options;
-use stickslip::dynamics::{Moment, RunMemory};
+use stickslip::dynamics::{Moment, RunMemory, Vector};
 use stickslip::error::readable;
 
 use crate::failure::Failure;
@@ -36,7 +36,7 @@ pub(super) struct End {
     ending: String,
     /// Hash of the memory: a changed one would go on from nowhere.
     sha256: String,
-    /// From which a run goes on; none where nothing does.
+    /// The run that goes on; none where nothing does.
     memory: Option<RunMemory>,
 }
 
@@ -100,6 +100,17 @@ impl End {
             sha256: hash(&memory),
             memory,
         }
+    }
+
+    /// The end of many orbits, of which none goes on alone.
+    pub(super) fn of_many(system: &System, options: &Options, t: f64, count: usize) -> Self {
+        let x = Vector::zeros(0);
+        End::of(
+            system,
+            options,
+            (&Moment { t, x }, format!("{count} orbits of --starts")),
+            None,
+        )
     }
 
     /// The file to write.

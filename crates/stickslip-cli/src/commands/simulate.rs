@@ -42,7 +42,7 @@ pub(super) struct Arguments {
     starts: Option<String>,
     /// Also write the derivatives of states and times of events by these parameters, start values
     /// of states, or the time of the start, which is t0: derivatives.csv, with a row for each of
-    /// steps.csv, and event_derivatives.csv, with one for each transition
+    /// steps.csv, event_derivatives.csv, with one for each transition, and section_derivatives.csv
     #[arg(long, value_name = "NAME,...", conflicts_with = "resume")]
     derivatives: Option<String>,
     /// Draw no figures

@@ -12,6 +12,7 @@ use stickslip_model::text_table::{TableError, TextTable};
 
 use super::arguments::RunArguments;
 use super::recording::{self, Recording, Wanted};
+use super::resume::End;
 use super::simulate::{end_time, ending, passage_columns};
 use super::trajectory::{phase_columns, transitions, transitions_with_residuals};
 use crate::failure::{Failure, in_words};
@@ -220,6 +221,8 @@ pub(super) fn run(
     );
     let mut report = Report::of(&system, what);
     tables(&system, (&names, &values), &orbits, (steps, &mut report))?;
+    let end = End::of_many(&system, &options, t_end, orbits.len());
+    report.table(end.artifact()?);
     Ok(report.written(run.output.out.as_ref(), &run.output)?)
 }
 

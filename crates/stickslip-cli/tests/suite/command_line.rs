@@ -41,6 +41,25 @@ fn derivatives_have_a_row_for_each_step_and_each_transition() {
         let later: f64 = row.split(',').nth(5).unwrap().parse().unwrap();
         assert!((later - 1.0).abs() < 1e-6, "{row}");
     }
+    // Passages of the section of a file have a table of their own.
+    program(top.path())
+        .args(["new", "own.toml"])
+        .assert()
+        .success();
+    program(top.path())
+        .args(["simulate", "own.toml", "--no-figures", "--out", "run"])
+        .args(["--derivatives", "t0,x"])
+        .assert()
+        .success();
+    let (found, section) = (at("section_derivatives.csv"), at("section.csv"));
+    assert!(found.starts_with("t,dt/dt0,dt/dx,dx/dt0,dx/dx,dv/dt0,dv/dx\n"));
+    assert_eq!(found.lines().count(), section.lines().count());
+    assert!(found.lines().count() > 2);
+    for (row, passage) in found.lines().zip(section.lines()).skip(1) {
+        let later: f64 = row.split(',').nth(1).unwrap().parse().unwrap();
+        assert!((later - 1.0).abs() < 1e-6, "{row}");
+        assert_eq!(row.split(',').next(), passage.split(',').next());
+    }
     for (by, said) in [
         (
             "mu",

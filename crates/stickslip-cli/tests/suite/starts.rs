@@ -35,7 +35,21 @@ fn each_orbit_has_the_bits_of_a_single_run_and_its_number() {
         "block: 3 orbits from starts.csv, t = 0 to 20\n  ended        3 × end time",
     ));
     let all = top.path().join("all");
-    assert!(!all.join("history.svg").exists() && !all.join("end.json").exists());
+    assert!(!all.join("history.svg").exists());
+    // None of them goes on alone, and nor does an earlier run in the folder.
+    let mut resumed = assert_cmd::Command::new(env!("CARGO_BIN_EXE_stickslip"));
+    resumed.current_dir(top.path());
+    resumed.args([
+        "simulate",
+        "system.toml",
+        "--resume",
+        "all",
+        "--until",
+        "30",
+    ]);
+    resumed.assert().code(2).stderr(contains(
+        "that ended at t = 20 (3 orbits of --starts), from where none goes on",
+    ));
     let names = [
         "orbits.csv",
         "phases.csv",

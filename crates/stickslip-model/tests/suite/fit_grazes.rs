@@ -48,7 +48,7 @@ fn fitted(file: &SystemFile, name: &str, (start, truth): (f64, f64), times: &[f6
 fn grazing_impacts_on_the_way_are_told() {
     let found = fitted(&parsed(WALL), "A", (0.105, 0.11), &times(240, 0.25));
     let impacts = found.phases[0].iter().filter(|one| one.2.jump().is_some());
-    assert_eq!((impacts.count(), found.grazes), (2, 2));
+    assert_eq!((impacts.count(), found.grazes), (2, Some(2)));
     assert!(found.crossings > 0);
 }
 
@@ -62,5 +62,5 @@ fn an_impact_that_passes_the_end_of_the_record_is_no_graze() {
     );
     // The first bounce is at 1 with the true value, and behind the last time at the start.
     let found = fitted(&ball, "g", (8.5, 10.0), &times(21, 0.05));
-    assert!(found.crossings > 0 && found.grazes == 0, "{found:?}");
+    assert!(found.crossings > 0 && found.grazes == Some(0), "{found:?}");
 }

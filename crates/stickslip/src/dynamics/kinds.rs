@@ -12,3 +12,6 @@ pub struct AtRunTime;
 
 /// [`WithJumps`](super::WithJumps) of a [`Filippov`](crate::Filippov) system of `N` states.
 pub struct OneContactAndJumps<const N: usize>;
+
+/// [`WithJumps`](super::WithJumps) of [`Several`](crate::Several) contacts.
+pub struct SeveralContactsAndJumps<const N: usize, const M: usize>;

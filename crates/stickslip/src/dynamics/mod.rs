@@ -31,7 +31,7 @@ pub use batch::Listener;
 pub(crate) use carried::TANGENT_ERROR;
 pub use interrupt::Interrupt;
 pub use jumps::{Jumps, KinkShift, Reset, WithJumps};
-use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts};
+use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts, SeveralContactsAndJumps};
 pub use memory::RunMemory;
 pub use modes::Modes;
 pub use recorded::{OrbitEvent, Points, RecordedOrbit, Sampling};
@@ -502,8 +502,9 @@ impl<'a> std::ops::Deref for DynamicsRef<'a> {
     }
 }
 
-/// The argument of an analysis: a [`Filippov`] system, [`Several`] contacts, or a [`DynamicsRef`].
-/// They can be shared between threads. The parameter distinguishes them, and is always inferred.
+/// The argument of an analysis: a [`Filippov`] system, [`Several`] contacts, either in
+/// [`WithJumps`], or a [`DynamicsRef`]. They can be shared between threads. The parameter
+/// distinguishes them, and is always inferred.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no system",
     note = "implement `Filippov` for a system of one boundary; one that implements `Contacts` goes \
@@ -537,6 +538,19 @@ where
     fn dynamics(&self) -> DynamicsRef<'_> {
         let system = (&self.system, NoSection, &self.jumps);
         let typed = Typed::<&S, S, _, &J, J, N, _>::padded(system, N, 1);
+        DynamicsRef::Owned(Box::new(typed))
+    }
+}
+
+impl<S, J, const N: usize, const M: usize> AsDynamics<SeveralContactsAndJumps<N, M>>
+    for WithJumps<Several<S>, J>
+where
+    S: Contacts<N, M> + Send + Sync,
+    J: Jumps<N> + Send + Sync,
+{
+    fn dynamics(&self) -> DynamicsRef<'_> {
+        let system = (&self.system, NoSection, &self.jumps);
+        let typed = Typed::<_, Several<S>, _, &J, J, N, M>::padded(system, N, M);
         DynamicsRef::Owned(Box::new(typed))
     }
 }

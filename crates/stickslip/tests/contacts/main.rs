@@ -12,6 +12,7 @@ mod chains;
 mod corners;
 mod coupled;
 mod events;
+mod jumps;
 mod references;
 mod rig;
 mod spectra;

@@ -216,8 +216,11 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
     report.line("search", work);
     if found.crossings + found.jumps > 0 {
         let roots = match found.grazes {
-            0 => String::new(),
-            grazes => format!("; grazing impacts, at which they have a square root: {grazes}"),
+            None => "; grazing impacts are not looked for in parts".to_owned(),
+            Some(0) => String::new(),
+            Some(grazes) => {
+                format!("; grazing impacts, at which they have a square root: {grazes}")
+            }
         };
         let words = format!(
             "the sequence of phases changed in {} steps; the residuals jumped at {} changes{roots}",

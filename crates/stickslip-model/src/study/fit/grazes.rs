@@ -20,14 +20,15 @@ const GROWTH: f64 = 16.0;
 type Looked = (f64, Option<(Vec<usize>, f64)>);
 
 impl FitProblem<'_> {
-    /// The number of grazing impacts found on the straight way between two points.
+    /// The number of grazing impacts found on the straight way between two points; `None` in
+    /// parts, which have no single way.
     ///
     /// An impact begins or ends there with no speed, so that the residuals have a square root:
     /// their derivatives are unbounded on one side (Nordmark, *J. Sound Vib.* 145 (1991) 279). An
-    /// impact that passes the end of the data leaves them bounded. Parts have no single way.
-    pub(super) fn grazes(&self, from: &Vector, to: &Vector) -> usize {
+    /// impact that passes the end of the data leaves them bounded.
+    pub(super) fn grazes(&self, from: &Vector, to: &Vector) -> Option<usize> {
         if self.parts.is_some() {
-            return 0;
+            return None;
         }
         let at = |part: f64| {
             let at = self.modelled(&(from + (to - from) * part)).ok()?;
@@ -60,7 +61,7 @@ impl FitProblem<'_> {
             }
             sizes[0].max(sizes[1]) > GROWTH * first
         };
-        places.windows(2).filter(is_graze).count()
+        Some(places.windows(2).filter(is_graze).count())
     }
 }
 

@@ -209,8 +209,8 @@ pub struct Fit {
     /// Changes of the sequence at which the residuals jump.
     pub jumps: usize,
     /// Grazing impacts on the straight way from the start to the result, at which the residuals
-    /// have a square root.
-    pub grazes: usize,
+    /// have a square root; `None` in parts, which have no single way.
+    pub grazes: Option<usize>,
     /// Further minima, by rising cost.
     pub others: Vec<OtherMinimum>,
 }

@@ -60,7 +60,7 @@ impl FitProblem<'_> {
         });
         let records = self.request.records.iter();
         let grazes = match work.crossings {
-            0 => 0,
+            0 => Some(0),
             _ => self.grazes(&self.unknowns.start(), &best.x),
         };
         Ok(Fit {
