@@ -318,7 +318,7 @@ class Solution(Result):
         Returns
         -------
         pandas.DataFrame
-            `transitions` and `phases` have a `to_pandas` of their own.
+            `transitions` and `phases` have a `to_pandas` and a `to_xarray` of their own.
         """
         return super().to_pandas().set_index("t")
 

@@ -69,6 +69,37 @@ class Table(np.ndarray[Any, Any]):
         """
         return pandas().DataFrame(self)
 
+    def to_xarray(self) -> Any:
+        """The table as an `xarray.Dataset` along the dimension ``row``.
+
+        Returns
+        -------
+        xarray.Dataset
+            Columns of all states are one variable, with the coordinate ``state``. Those of
+            derivatives have ``by``, the variables.
+        """
+        names = self.dtype.names or ()
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {}
+        for name in names:
+            group = name.partition(_OF)[0].partition(_BY)[0]
+            if group in variables:
+                continue
+            if group == name:
+                variables[name] = ("row", self[name])
+                continue
+            members = _members(names, group)
+            dimensions = ["row"]
+            if _OF in members[0]:
+                states = (one.partition(_OF)[2].partition(_BY)[0] for one in members)
+                coordinates["state"] = list(dict.fromkeys(states))
+                dimensions.append("state")
+            if _BY in members[0]:
+                coordinates["by"] = list(dict.fromkeys(one.rpartition(_BY)[2] for one in members))
+                dimensions.append("by")
+            variables[group] = (dimensions, self[group])
+        return xarray().Dataset(variables, coordinates)
+
     def _repr_html_(self) -> str:
         return as_html({name: self[name] for name in self.dtype.names or ()})
 

@@ -53,6 +53,19 @@ def test_pandas_reads_tables():
     assert "<table>" in sol.transitions._repr_html_()
 
 
+def test_tables_are_data_sets():
+    sol = RESULTS["solution"]
+    data = sol.transitions.to_xarray()
+    assert data.kind.dims == ("row",) and data.y.dims == ("row", "state")
+    assert np.array_equal(data.y.sel(state="v"), sol.transitions["y"][:, 1])
+    phases = sol.phases.to_xarray()
+    assert np.array_equal(phases.t_end, sol.phases["t_end"])
+    sol = ss.solve_ivp(belt_system(), (0, 10), [0.5, 0], derivatives=["mu0", "x"])
+    data = sol.transitions.to_xarray()
+    assert data.dt.dims == ("row", "by") and data.dy.dims == ("row", "state", "by")
+    assert np.array_equal(data.dy.sel(state="v", by="mu0"), sol.transitions["dy"][:, 1, 0])
+
+
 def test_derivatives_are_columns():
     sol = ss.solve_ivp(belt_system(), (0, 10), [0.5, 0], derivatives=["mu0", "x"])
     assert sol.transitions["dt"].shape == (len(sol.transitions), 2)

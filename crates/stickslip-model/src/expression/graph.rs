@@ -245,6 +245,17 @@ impl Graph {
         }
     }
 
+    /// The number of the opposite sign: of a difference, the difference turned round.
+    ///
+    /// # Errors
+    /// See [`Graph::constant`].
+    pub fn opposite(&mut self, a: Id) -> NodeResult {
+        match self.node(a) {
+            Node::Difference(a, b) => self.difference(b, a),
+            _ => self.negative(a),
+        }
+    }
+
     /// Two numbers joined by an operator.
     ///
     /// # Errors

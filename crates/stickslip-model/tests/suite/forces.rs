@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::Mode;
 use stickslip::dynamics::{Modes, OrbitProgress, Vector};
+use stickslip::{Mode, math};
 use stickslip_model::kernel::follow;
 
-use crate::run::{options, parsed, system};
+use crate::run::{METHODS, end, options, parsed, simulated, system};
 
 /// A block on a belt, `k x + friction = 0` while it sticks.
 const BELT: &str = "name = \"belt\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
@@ -157,4 +157,38 @@ fn a_field_has_the_friction_of_a_contact_by_its_function() {
         .unwrap()
         .to_string();
     assert!(unknown.contains("did you mean `belt.force`?"), "{unknown}");
+}
+
+/// The distance from a boundary is smooth on each side. However it is written, the orbit is that of
+/// the law with the side, bit for bit.
+#[test]
+fn the_absolute_value_of_a_boundary_has_no_kink() {
+    let ways = [
+        "belt*(v - 0.2)",
+        "abs(v - 0.2)",
+        "abs(0.2 - v)",
+        "abs(slip)",
+    ];
+    for method in METHODS {
+        let ends = ways.map(|way| {
+            let text = BELT.replace("belt*(v - 0.2)", way);
+            let named = "[definitions]\nslip = \"v - 0.2\"\n[field]";
+            let (run, transitions) = simulated(&text.replace("[field]", named), method, 20.0);
+            let transitions: Vec<_> = transitions.iter().map(|at| at.0.to_bits()).collect();
+            assert!(transitions.len() > 4);
+            (
+                transitions,
+                end(&run, "x").to_bits(),
+                run.ended.unwrap().counters.steps,
+            )
+        });
+        assert!(ends.iter().all(|one| *one == ends[0]), "{method}: {ends:?}");
+        // Drag with the friction 1/10 stops the body where √a t = atan(1/√a).
+        let drag = "name = \"drag\"\n[states]\nv = \"\"\n[contacts.rest]\nboundary = \"v\"\n\
+                    [field]\nv = \"-v*abs(v) - 0.1*rest\"\n[start]\nv = 1\n";
+        let (_, transitions) = simulated(drag, method, 5.0);
+        let root = 0.1_f64.sqrt();
+        let off = transitions[0].0 - math::atan(1.0 / root) / root;
+        assert!(off.abs() < 1e-11, "{method}: {off:e}");
+    }
 }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::super::names::{FURTHER_FUNCTIONS, LATER_FUNCTIONS, Meaning, did_you_mean};
 use super::super::{Formula, table};
-use super::{BuildNumber, BuildResult, Builder, Operand, Problem, no_number, of_operand};
+use super::{BuildNumber, BuildResult, Builder, Operand, Problem, Scope, no_number, of_operand};
 use crate::expression::{
     Binary, CHOICE, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id,
 };
@@ -45,6 +45,13 @@ impl Builder<'_> {
                 return Ok(best);
             }
             CHOICE => return self.choice(formula, arguments, (name, place)),
+            "abs" => {
+                if let [argument] = arguments
+                    && let Some(distance) = self.distance(formula, argument)?
+                {
+                    return Ok(distance);
+                }
+            }
             _ => {}
         }
         let (wanted, count) = match function {
@@ -82,6 +89,43 @@ impl Builder<'_> {
         let operands = arguments.iter().map(of_operand).zip(ids);
         let operands: Vec<(Operand, Id)> = operands.collect();
         made.map_err(|error| self.not_finite(error, formula, place, &operands))
+    }
+
+    /// The absolute value of a boundary function, which is smooth on each side: the side times the
+    /// function. `None` for what is none, and where there are no sides.
+    fn distance(
+        &mut self,
+        formula: &Formula,
+        argument: &Expression,
+    ) -> Result<Option<Id>, Problem> {
+        if !matches!(self.scope, Scope::Sides(_)) {
+            return Ok(None);
+        }
+        let place = formula.at(&argument.span);
+        let of = self.expression(formula, argument)?;
+        let wrong = |error| no_number(error, place.clone());
+        let turned = self.graph.opposite(of).map_err(wrong)?;
+        if self.boundaries.is_empty() {
+            let contacts = self.file.contacts.iter();
+            let (file, inputs, graph) = (self.file, self.inputs, &mut *self.graph);
+            // A wrong boundary is reported where it stands.
+            let built = contacts.map(|contact| {
+                let scope = Scope::NoSides("a boundary");
+                let mut builder = Builder::new(file, inputs, &mut *graph, scope);
+                builder.formula(&contact.boundary).ok()
+            });
+            self.boundaries = built.collect();
+        }
+        let same = |of: Id| self.boundaries.iter().position(|one| *one == Some(of));
+        let Some((number, above)) = (same(of).map(|number| (number, of)))
+            .or_else(|| same(turned).map(|number| (number, turned)))
+        else {
+            return Ok(None);
+        };
+        Ok(Some(match self.side(number, place.clone())? {
+            true => above,
+            false => self.graph.negative(above).map_err(wrong)?,
+        }))
     }
 
     fn by_side(

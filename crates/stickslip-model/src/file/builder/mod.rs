@@ -57,6 +57,8 @@ pub(super) struct Builder<'a> {
     scope: Scope,
     definitions: Vec<PartState>,
     frictions: Vec<PartState>,
+    /// The boundary functions of the contacts, once they are needed; `None` for a wrong one.
+    boundaries: Vec<Option<Id>>,
     /// The reactions of the stops, once they are known.
     forces: Option<Vec<Id>>,
     /// The friction forces of the contacts, where they are known.
@@ -95,6 +97,7 @@ impl<'a> Builder<'a> {
             scope,
             definitions: vec![PartState::NotYet; file.definitions.len()],
             frictions: vec![PartState::NotYet; file.contacts.len()],
+            boundaries: Vec::new(),
             forces: None,
             frictional: None,
             approach: None,
