@@ -17,7 +17,7 @@ use stickslip_model::file::System;
 const END: &str = "end.json";
 
 /// Version of its format.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 3;
 
 /// The end of a run.
 #[derive(Debug, Serialize, Deserialize)]
