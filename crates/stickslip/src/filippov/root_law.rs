@@ -1,4 +1,5 @@
-//! Motion to and from a boundary at which a field is a root of the distance.
+//! Motion to and from a boundary at which a field is a root of the distance, and from a state at
+//! which it is one.
 //!
 //! A law such as `√|v|` has an infinite slope on its own boundary, where no step of a method of
 //! order resolves it. Towards it the steps shrink until the boundary is reached to rounding. Away
@@ -113,7 +114,50 @@ impl<const N: usize, const G: usize> StepState<N, G> {
         trial
     }
 
-    /// The end of that step.
+    /// The first step from a state at which the field has a value but no series, as that of `√x`
+    /// where `x` leaves 0: straight, and so short that the change of the field over it counts for
+    /// less than the tolerance. `None` elsewhere, and where the motion does not leave such states.
+    #[cold]
+    pub(crate) fn leave_without_series<F: Flow<N>>(&mut self, flow: &F) -> Option<Trial> {
+        let from = self.at;
+        let start = flow.velocity(from.t, &from.x);
+        let has_slope = |at: &Timed<N>, along: &State<N>| {
+            let moved: [_; N] = std::array::from_fn(|i| Dual::new(at.x[i], along[i]));
+            let rates = flow.field(Dual::new(at.t, 1.0), &moved);
+            rates.iter().all(|rate| rate.eps.is_finite())
+        };
+        if has_slope(&from, &start) {
+            return None;
+        }
+        let mut step = 0.5 * (self.t_end - from.t);
+        let to = loop {
+            if self.is_too_short(step, false) {
+                return None;
+            }
+            let t = from.t + step;
+            let straight = from.x.add_scaled(step, &start);
+            let end = flow.velocity(t, &straight);
+            let x = flow.settle(t, from.x.add_scaled(0.5 * step, &(start + end)));
+            let is_short = (0..self.states).all(|i| {
+                let allowed = self.options.allowed(i, from.x[i].abs());
+                (x[i] - straight[i]).abs() <= allowed
+            });
+            let to = Timed { t, x };
+            let holds = |&guard: &usize| flow.guard_at(guard, t, &x) > 0.0;
+            if is_short && has_slope(&to, &end) && flow.guards().iter().all(holds) {
+                break to;
+            }
+            step *= NEARER;
+        };
+        self.counters.steps += 1;
+        self.dense = Dense::straight(&from, &to);
+        let trial = self.accept(to, None);
+        self.record_departures(flow);
+        self.h = step;
+        Some(trial)
+    }
+
+    /// The end of the first step from the zero of a guard.
     fn left_by<F: Flow<N>>(&self, flow: &F, guard: usize, law: &RootLaw<N>) -> Option<Timed<N>> {
         let from = self.at;
         let start = flow.velocity(from.t, &from.x);

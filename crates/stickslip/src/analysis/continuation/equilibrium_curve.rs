@@ -14,7 +14,7 @@ use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, CurveStop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::ZERO;
 use crate::analysis::critical::RESOLVED_PLACE;
-use crate::analysis::cycle::{Path, with_last_digits};
+use crate::analysis::cycle::{Path, unit, with_last_digits};
 use crate::dynamics::{AsDynamics, Modes, Moment, Vector};
 use crate::error::{Error, require};
 
@@ -360,15 +360,11 @@ impl CurveOfEquilibria<'_> {
 
     /// The equilibrium of the curve at which a branch has come to it, found again.
     fn first(&self, x: &Vector, condition: Condition) -> Option<CurveEquilibrium> {
-        let count = x.len();
-        let [other, own] = [2, 1].map(|k| {
-            let mut row = Vector::zeros(count);
-            row[count - k] = 1.0;
-            row
-        });
         // At a fold, the parameters do not determine the state beside it.
-        let one = self.of.solve(self.mode, x, &[&other, &own])?;
-        let found = self.found(one, condition, &other)?;
+        let [a, b] = self.of.plane_at(self.mode, x)?;
+        let one = self.of.solve(self.mode, x, &[&a, &b])?;
+        let count = x.len();
+        let found = self.found(one, condition, &unit(count, count - 2))?;
         let guess = found.one.at.x.clone();
         self.corrected(&found, guess, &found.along.row)
     }

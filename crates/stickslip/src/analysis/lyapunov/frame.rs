@@ -10,6 +10,11 @@ use crate::math::{self, product};
 /// as small once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
+/// Part of a vector's length below which what is left of it is made orthogonal once more: what is
+/// not orthogonal then is some rounding over this part, a hundredth of [`IN_SPAN`]. The lengths
+/// are those of the first pass, whose errors are relative to the whole vector either way.
+const SECOND_PASS: f64 = 1e-2;
+
 /// Orthonormal vectors, at most as many as there are states. Some may have been annihilated. The
 /// surviving ones are in the order of their exponents. The annihilated ones continue the basis; in
 /// a full frame they carry only the normal of the space of the others.
@@ -123,7 +128,17 @@ impl Frame {
             if !(length > least * size && (length * length).is_normal()) {
                 return None;
             }
-            self.columns[j] = column / length;
+            column /= length;
+            // The less is left of a vector, the more of that is rounding along those before it. Two
+            // passes leave rounding alone (Giraud, Langou, Rozložník & van den Eshof, Numer. Math.
+            // 101 (2005) 87).
+            if length < SECOND_PASS * size {
+                for &i in &order[..place] {
+                    take_out(&self.columns[i], &mut column);
+                }
+                column.normalize_mut();
+            }
+            self.columns[j] = column;
             lengths[j] = length;
         }
         if let Some((shadow, images)) = self.shadow.as_mut().zip(images) {

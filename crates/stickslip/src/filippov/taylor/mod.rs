@@ -346,6 +346,10 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
             // themselves overflowed.
             run.reject_undefined(NON_FINITE_SHRINK * self.scale)?;
             if self.expansion.overflowed || run.is_too_short(run.h, false) {
+                if let Some(left) = run.leave_without_series(flow) {
+                    self.begin();
+                    return Ok(left);
+                }
                 return Err(run.collapse(flow, &flow.velocity(t, &x), run.h));
             }
             return Ok(Trial::NoStep);

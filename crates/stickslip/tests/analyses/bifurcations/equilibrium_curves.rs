@@ -186,6 +186,18 @@ fn a_curve_of_folds_passes_its_cusp() {
     assert!(ends[0].parameters[1] * ends[1].parameters[1] < 0.0);
 }
 
+/// Rounding decides how singular the equations are at a fold, and no fold loses its curve by that.
+#[test]
+fn every_fold_begins_its_curve() {
+    for k in 0..60 {
+        let q = 0.3 + 0.018 * f64::from(k);
+        let ranges = ((-1.0, 1.0), (q - 0.05, q + 0.05));
+        let found = curve(Cusp, ([q.sqrt(), 0.0, 0.0], q, false), ranges, "fold");
+        lies_on(&found, |[q, p]| 27.0 * p * p - 4.0 * q * q * q, 1e-11);
+        assert_eq!(found.stops, [CurveStop::Range; 2], "{q}");
+    }
+}
+
 /// Equilibria of `x' = p² + q² - 1 + x²` are a sphere, and folds its equator.
 #[derive(Clone, Copy)]
 struct Sphere;

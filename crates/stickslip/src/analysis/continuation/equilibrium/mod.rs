@@ -444,7 +444,26 @@ impl EquilibriumContinuation<'_> {
 
     /// The singular values of the equations and their directions, in units of the components.
     pub fn parts(&self, one: &BranchEquilibrium) -> (Vector, Option<Matrix>) {
-        let mut scaled = one.equations.clone();
+        self.parts_of(&one.equations)
+    }
+
+    /// The rows of the plane in which equilibria with two parameters lie near `x`, as far as the
+    /// linear equations there say. Planes across both cut it in one point, also at a fold.
+    pub fn plane_at(&self, mode: Modes, x: &Vector) -> Option<[Vector; 2]> {
+        let at = Moment {
+            t: 0.0,
+            x: x.clone(),
+        };
+        let jacobian = jacobian_of(self.system, mode, &at);
+        let (equations, _) = equations(self.system, mode, &at, &jacobian, x.len())?;
+        let (_, directions) = self.parts_of(&equations);
+        let directions = directions.filter(|all| all.nrows() >= 2)?;
+        let row = |k: usize| directions.row(directions.nrows() - k).transpose();
+        Some([2, 1].map(|k| row(k).component_div(&self.units)))
+    }
+
+    fn parts_of(&self, equations: &Matrix) -> (Vector, Option<Matrix>) {
+        let mut scaled = equations.clone();
         for (k, unit) in self.units.iter().enumerate() {
             scaled.column_mut(k).scale_mut(*unit);
         }
