@@ -380,6 +380,10 @@ impl<'a> OrbitTangents<'a> {
         if let Some(at) = graze {
             self.lose(singular(at.t, &at.x));
         }
+        // Where the field has a value and no derivative, as √x at 0.
+        if !self.columns.iter().flatten().all(|value| value.is_finite()) {
+            self.lose(singular(step.t_start, &step.x_start));
+        }
         at_end.iter().for_each(|t| self.state(*t, &own.x_end));
         self.last_step = Some(step);
     }

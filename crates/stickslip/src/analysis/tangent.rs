@@ -3,7 +3,7 @@
 use super::instant::Cause;
 use super::simultaneous::{SAME, check_order};
 use crate::dynamics::{
-    Carrying, Dynamics, Matrix, Modes, Moment, Step, TANGENT_ERROR, Transition, Vector,
+    Carrying, Dynamics, Matrix, Modes, Moment, Reset, Step, TANGENT_ERROR, Transition, Vector,
 };
 use crate::error::{Error, Point};
 use crate::filippov::{EVENT_PRECISION, MIN_TOLERANCE, Options, TransitionKind};
@@ -26,6 +26,19 @@ fn entry([gradient, before, after]: [&[f64]; 3], in_time: f64) -> impl Fn(usize,
 /// Relative rounding of a jump's matrix, some hundred units in the last place: singular values
 /// below it are zero.
 pub(crate) const MATRIX_ROUNDING: f64 = 1e-13;
+
+/// The velocity after a jump, less that which it makes of the one before. A component that is
+/// rounding of its terms is zero: over the small rate of a landing it would count.
+fn kick(after: Vector, (reset, before): (&Reset, &Vector)) -> Vector {
+    let terms = after.abs() + reset.by_state.abs() * before.abs() + reset.by_time.abs();
+    let kick = after - &reset.by_state * before - &reset.by_time;
+    kick.zip_map(&terms, |kick, terms| {
+        match kick.abs() > MATRIX_ROUNDING * terms {
+            true => kick,
+            false => 0.0,
+        }
+    })
+}
 
 /// The effect of a transition on tangent vectors.
 pub(crate) struct Saltation {
@@ -110,11 +123,11 @@ impl<'a> Tangent<'a> {
         }
         let after_jump = Moment {
             t: at.t,
-            x: reset.after,
+            x: reset.after.clone(),
         };
         let before = self.system.flow(at.from, &here).velocity(&here);
         let after = self.system.flow(at.to, &after_jump).velocity(&after_jump);
-        let kick = after - &reset.by_state * &before - &reset.by_time;
+        let kick = kick(after, (&reset, &before));
         let rate = reset.in_time + reset.gradient.dot(&before);
         // If its function is not zero, another jump triggered it and decides its time.
         let in_time = reset.in_time.abs() * at.t.abs();
@@ -171,7 +184,7 @@ impl<'a> Tangent<'a> {
                 let [before, after] =
                     [&flight, after].map(|at_| self.system.flow(at.to, at_).velocity(at_));
                 let acceleration = landing.in_time + landing.gradient.dot(&before);
-                let kick = after - &landing.by_state * before - &landing.by_time;
+                let kick = kick(after, (&landing, &before));
                 matrix = &landing.by_state * matrix;
                 matrix += kick * speeds.transpose() * (2.0 / acceleration);
             }
