@@ -228,6 +228,29 @@ period = "2*pi"
 end = 30
 "#;
 
+/// A ball chatters to rest on a shaken table once a period: nothing of gap and rate is left.
+#[test]
+fn a_landing_on_a_table_that_moves_annihilates_both_directions() {
+    let table = "name = \"table\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nr = 0.1\n\
+                 [stops.table]\ngap = \"x - 1.5*sin(t)\"\nacts = { v = 1 }\nrestitution = \"r\"\n\
+                 [field]\nx = \"v\"\nv = \"-1 - d*v\"\n[start]\nx = 0.5\nv = 1.5\n";
+    for drag in ["0", "0.01"] {
+        for r in [0.1, 0.2, 0.3, 0.4, 0.45, 0.5, 0.6] {
+            let system = with(&table.replace("d*v", &format!("{drag}*v")), &[("r", r)]);
+            let start = system.start().unwrap();
+            let settings = SpectrumOptions::over(0.0, 200.0).solver(options("taylor"));
+            let found = lyapunov_spectrum(system.dynamics(), (0.0, &start[..]), &settings);
+            let found = found.unwrap();
+            assert!(found.ended.is_none(), "{r}: {:?}", found.ended);
+            let all = found.exponents.iter().map(|one| one.value());
+            assert!(
+                all.clone().all(|one| one == f64::NEG_INFINITY),
+                "{r}: {all:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn impacts_of_little_speed_annihilate_no_other_direction() {
     for method in METHODS {

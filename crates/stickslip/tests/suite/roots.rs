@@ -1,5 +1,6 @@
 //! Fields that are a root of the distance from their boundary, against closed forms.
 
+use stickslip::analysis::{Variable, orbit_derivatives};
 use stickslip::{
     AtPileUp, Contacts, Error, Filippov, Method, Options, Scalar, Several, Side, TransitionKind,
     math, solve,
@@ -194,6 +195,47 @@ impl Filippov<2> for Moving {
     }
     fn boundary<T: Scalar>(&self, t: T, x: &[T; 2]) -> T {
         x[1] - t.cos() * 0.3
+    }
+}
+
+/// A tank of level `h` with an inflow of one and an outflow of `√h`.
+struct Tank;
+
+impl Filippov<1> for Tank {
+    fn field<T: Scalar>(&self, _: Side, _t: T, x: &[T; 1]) -> [T; 1] {
+        [-x[0].sqrt() + 1.0]
+    }
+    fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 1]) -> T {
+        T::one()
+    }
+}
+
+/// With `u = √h`, `t = -2 (u + ln(1 - u))` from an empty tank.
+#[test]
+fn a_start_where_the_field_has_no_series_is_left() {
+    for method in METHODS {
+        for tolerance in [1e-6, 1e-9, 1e-12] {
+            let options = Options::tol(tolerance).method(method);
+            let orbit = solve(&Tank, 0.0, [0.0], 3.0, &options).unwrap();
+            let u = orbit.x_end[0].sqrt();
+            let off = -2.0 * (u + math::ln(1.0 - u)) - 3.0;
+            assert!(off.abs() < 100.0 * tolerance, "{method:?}: {off:e}");
+        }
+        // The start has no derivative of the flow: never a number.
+        let (by, times) = ([Variable::Start(0)], [1.0]);
+        let found = orbit_derivatives(
+            &Tank,
+            0.0,
+            [0.0],
+            3.0,
+            (&by, &times),
+            &[],
+            &Options::default().method(method),
+        )
+        .unwrap();
+        assert!(found.states[0][(0, 0)].is_nan());
+        let lost = found.lost.as_ref();
+        assert!(matches!(lost, Some(Error::TangentSingular { t, .. }) if *t == 0.0));
     }
 }
 

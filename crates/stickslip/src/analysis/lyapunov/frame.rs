@@ -251,6 +251,22 @@ mod tests {
         }
     }
 
+    /// As an impact of little speed leaves them, or states in units of which one is a millionth.
+    #[test]
+    fn vectors_that_are_nearly_parallel_become_orthogonal() {
+        let mut frame = Frame::generic(3, 3);
+        let [first, second, third] = [0, 1, 2].map(|j| frame.columns[j].clone());
+        let columns = frame.columns_mut();
+        columns[1] = &first + second * 1e-7;
+        columns[2] = &first + &columns[1] + third * 1e-6;
+        let lengths = frame.orthonormalise().unwrap();
+        approx::assert_relative_eq!(lengths[1], 1e-7, max_relative = 1e-7);
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let product = frame.columns[i].dot(&frame.columns[j]);
+            approx::assert_abs_diff_eq!(product, 0.0, epsilon = 1e-15);
+        }
+    }
+
     #[test]
     fn a_full_frame_loses_its_last_vector_and_then_none() {
         let mut frame = Frame::generic(3, 3);
