@@ -538,3 +538,19 @@ def test_a_branch_begins_within_its_bounds():
     with pytest.raises(ss.OptionError, match="p = 2: it must be in the bounds 0 to 1") as caught:
         ss.continuation(system, p, (0, 1), [0.5])
     assert (caught.value.name, caught.value.value) == ("p", 2.0)
+
+
+def test_an_exponent_that_cannot_be_measured_is_told():
+    x, v = ss.states("x v")
+    s, r = ss.discrete(s=0, r=1)
+    A, q = ss.parameters(A=1, q=1)
+    top = ss.Jump("top", when=x - A, direction="rising", set={s: 1})
+    turn = ss.Jump("turn", when=s - 0.5, direction="rising", set={r: -1, s: 0})
+    bottom = ss.Jump("bottom", when=x + A, direction="falling", set={r: 1})
+    chain = ss.System({x: r, v: x - q * v}, jumps=[top, turn, bottom], start=[0, 0])
+    with pytest.warns(ss.SolverWarning, match="no exponent: the jump"):
+        found = ss.bifurcation_diagram(chain, A, [1, 1.2], duration=50, locate="none")
+    assert np.isnan(found.exponent).all() and set(found.kind) == {"periodic"}
+    with pytest.warns(ss.SolverWarning, match="2 of 2 runs failed"):
+        plane = ss.parameter_map(chain, (A, [1, 1.2]), (q, [1]), duration=50)
+    assert np.isnan(plane.exponent).all()

@@ -130,10 +130,13 @@ impl Map {
         let reached = reached.map_err(|error| Failure::from(error).of(&system))?;
         let reached = attractor_by_shooting(system.dynamics(), reached, &settings, &options);
         let reached = reported(reached, |error| in_words(error, &system));
+        let measured = largest::on(&system, &reached, self.duration, &options);
+        let unmeasured = measured.as_ref().err();
         Ok(Cell {
             phases: system.phases(&reached),
             in_stick: reached.kind.is_attractor().then_some(reached.in_stick),
-            largest: largest::on(&system, &reached, self.duration, &options),
+            reason: attractors::reason(&reached).or_else(|| Some(in_words(unmeasured?, &system))),
+            largest: measured.unwrap_or(None),
             period_uncertainty: reached.period_uncertainty,
             kind: reached.kind,
         })
@@ -205,6 +208,8 @@ pub(super) struct Cell {
     /// Fraction of time in stick, if there is an attractor.
     in_stick: Option<f64>,
     largest: Option<Exponent>,
+    /// Error of a failed run, or of the measurement of the exponent.
+    reason: Option<String>,
 }
 
 impl Cell {
@@ -269,6 +274,7 @@ impl Map {
             .column("phases", |(_, cell)| cell.phases.clone())
             .column("in_stick", |(_, cell)| cell.in_stick);
         let columns = exponent::columns(columns, self.duration, |(_, cell)| cell.largest);
+        let columns = columns.column("reason", |(_, cell)| cell.reason.clone());
         table(store, path, &columns, |row, cells: Vec<Cell>| {
             for cell in &cells {
                 let name = cell.class();

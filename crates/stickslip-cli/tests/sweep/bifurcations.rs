@@ -301,3 +301,46 @@ fn a_failure_has_its_reason_on_the_screen_in_the_table_and_in_json() {
     let first = rows.records().next().unwrap().unwrap();
     assert_eq!(first.iter().next_back(), Some(reason.as_str()));
 }
+
+/// Of two jumps at one instant the second changes the field, so that no vector has an image.
+#[test]
+fn an_exponent_that_cannot_be_measured_has_its_reason() {
+    let top = folder();
+    let system = "name = \"chain\"\n[parameters]\nA = 1\nq = 1\n[states]\nx = \"\"\nv = \"\"\n\
+                  [discrete]\ns = 0\nr = 1\n[field]\nx = \"r\"\nv = \"x - q*v\"\n[jumps.top]\n\
+                  when = \"x - A\"\ndirection = \"rising\"\nset = { s = 1 }\n[jumps.turn]\n\
+                  when = \"s - 0.5\"\ndirection = \"rising\"\nset = { r = -1, s = 0 }\n\
+                  [jumps.bottom]\nwhen = \"x + A\"\ndirection = \"falling\"\nset = { r = 1 }\n\
+                  [start]\nx = 0\nv = 0\n";
+    std::fs::write(top.path().join("chain.toml"), system).unwrap();
+    let plane = ["--x", "A=1:1.2", "--y", "q=1:2", "--grid", "2x1"];
+    for arguments in [
+        &[
+            "bifurcation",
+            "chain.toml",
+            "--parameter",
+            "A=1:1.2",
+            "--values",
+            "2",
+        ][..],
+        &[&["map", "chain.toml"][..], &plane].concat(),
+    ] {
+        let command = arguments[0];
+        program(top.path())
+            .args(arguments)
+            .args(["--duration", "50", "--out", command])
+            .assert()
+            .success();
+        let table = text(top.path().join(command).join(format!("{command}.csv")));
+        let mut rows = csv::Reader::from_reader(table.as_bytes());
+        let names = rows.headers().unwrap().clone();
+        let column = |name: &str| names.iter().position(|one| one == name).unwrap();
+        let of = [column("motion"), column("lambda1"), column("reason")];
+        let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
+        assert!(rows.len() >= 2);
+        for row in rows {
+            assert_eq!([&row[of[0]], &row[of[1]]], ["periodic", ""], "{command}");
+            assert!(row[of[2]].contains("follows another one"), "{row:?}");
+        }
+    }
+}

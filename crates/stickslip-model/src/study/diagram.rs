@@ -77,6 +77,8 @@ pub struct AtValue {
     pub reached: Attractor,
     /// Largest exponent, if it was measured.
     pub largest: Option<Exponent>,
+    /// Reason for which it could not be measured, in words.
+    pub unmeasured: Option<String>,
     /// Initial state of the orbit at the next value.
     carried: Vector,
     /// Integration steps that locating changes may take.
@@ -131,14 +133,17 @@ impl Diagram<'_> {
                 *credited,
             ),
         };
+        let measured = match self.duration {
+            Some(duration) => largest::on(&here, &reached, duration, self.options),
+            None => Ok(None),
+        };
         let mut found = AtValue {
             value,
             unspent,
             credited,
             carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
-            largest: self
-                .duration
-                .and_then(|duration| largest::on(&here, &reached, duration, self.options)),
+            unmeasured: measured.as_ref().err().map(|error| describe(error, &here)),
+            largest: measured.unwrap_or(None),
             reached,
         };
         let budget = match self.locates {

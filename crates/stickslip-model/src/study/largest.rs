@@ -1,7 +1,7 @@
 //! The largest Lyapunov exponent of an attractor, where it could be measured.
 
-use stickslip::Options;
 use stickslip::analysis::{Attractor, Exponent, SpectrumOptions, largest_exponent};
+use stickslip::{Error, Options};
 
 use crate::file::System;
 
@@ -34,17 +34,20 @@ pub fn numbers(largest: Option<Exponent>, duration: f64) -> [Option<f64>; 3] {
 }
 
 /// Measures the exponent on an attractor that an orbit has reached; `None` if there is no
-/// attractor, or the orbit could not be followed.
+/// attractor.
+///
+/// # Errors
+/// Those of [`largest_exponent`]: the orbit could not be followed, or has no derivative.
 pub fn on(
     system: &System,
     reached: &Attractor,
     duration: f64,
     options: &Options,
-) -> Option<Exponent> {
+) -> Result<Option<Exponent>, Error> {
     if !reached.kind.is_attractor() {
-        return None;
+        return Ok(None);
     }
     // The orbit is on the attractor already; only the tangent vector has to align.
     let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-    largest_exponent(system.dynamics(), (reached.t, &reached.x), &settings).ok()
+    largest_exponent(system.dynamics(), (reached.t, &reached.x), &settings).map(Some)
 }

@@ -42,6 +42,8 @@ struct ReachedMotion {
     phases: String,
     /// NaN if there is no attractor.
     in_stick: f64,
+    /// Reason for which its exponent could not be measured.
+    unmeasured: Option<String>,
 }
 
 impl ReachedMotion {
@@ -53,13 +55,15 @@ impl ReachedMotion {
                 true => reached.in_stick,
                 false => f64::NAN,
             },
+            unmeasured: None,
         }
     }
 
-    /// Error of the run, in words, if it failed.
+    /// Error of the run or of the measurement of its exponent, in words, if one failed.
     fn reason(&self) -> String {
-        match &self.kind {
-            AttractorKind::Failure(reason) => reason.to_string(),
+        match (&self.kind, &self.unmeasured) {
+            (AttractorKind::Failure(reason), _) => reason.to_string(),
+            (_, Some(reason)) => format!("no exponent: {reason}"),
             _ => String::new(),
         }
     }
@@ -96,12 +100,24 @@ pub(super) fn outcomes<'a>(
     system: &CompiledSystem,
     found: impl Iterator<Item = &'a Attractor> + Clone,
 ) -> PyResult<()> {
-    let reached = found
-        .clone()
-        .map(|one| Some(ReachedMotion::of(one, system)));
+    outcomes_measured(fields, system, found.map(|one| (one, None)))
+}
+
+/// [`outcomes`] of which exponents were measured, each with the reason where that failed.
+fn outcomes_measured<'a>(
+    fields: &Fields<'_>,
+    system: &CompiledSystem,
+    found: impl Iterator<Item = (&'a Attractor, Option<String>)> + Clone,
+) -> PyResult<()> {
+    let reached = found.clone().map(|(one, unmeasured)| {
+        Some(ReachedMotion {
+            unmeasured,
+            ..ReachedMotion::of(one, system)
+        })
+    });
     motions(fields, &reached.collect::<Vec<_>>())?;
     let points = PyList::empty(fields.py());
-    for one in found {
+    for (one, _) in found {
         let flat = one.points.iter().flat_map(|at| at.x.iter().copied());
         points.append(array(fields.py(), flat.collect(), [system.states()])?)?;
     }
@@ -176,7 +192,8 @@ pub(crate) fn bifurcation_diagram<'py>(
     let fields = Fields::new(py);
     fields.numbers("parameter", found.iter().map(|at| at.value))?;
     exponents(&fields, duration, found.iter().map(|at| at.largest))?;
-    outcomes(&fields, compiled, found.iter().map(|at| &at.reached))?;
+    let measured = found.iter().map(|at| (&at.reached, at.unmeasured.clone()));
+    outcomes_measured(&fields, compiled, measured)?;
     let changes = AttractorChange::merged(changes);
     fields.fields("changes", located(py, compiled, &changes)?)?;
     fields.ended(raised)
@@ -245,12 +262,17 @@ pub(crate) fn parameter_map<'py>(
         let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
         let reached = attractor_by_shooting(here.dynamics(), reached, &recurrence, &options);
         let reached = reported(reached, |error| words(error, &here));
-        let largest = duration.and_then(|time| largest::on(&here, &reached, time, &options));
+        let measured = duration.map(|time| largest::on(&here, &reached, time, &options));
+        let measured = measured.unwrap_or(Ok(None));
         if task.is_stopped() {
             return Ok(None);
         }
         task.count();
-        Ok(Some((ReachedMotion::of(&reached, system), largest)))
+        let motion = ReachedMotion {
+            unmeasured: measured.as_ref().err().map(|error| words(error, &here)),
+            ..ReachedMotion::of(&reached, system)
+        };
+        Ok(Some((motion, measured.unwrap_or(None))))
     };
     let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;

@@ -142,7 +142,9 @@ impl Bifurcation {
         let columns = columns.state(system, "", |(_, at, point)| {
             point.map(|point| at.reached.points[point].x.clone())
         });
-        let columns = columns.column("reason", |(_, at, _)| attractors::reason(&at.reached));
+        let columns = columns.column("reason", |(_, at, _)| {
+            attractors::reason(&at.reached).or_else(|| at.unmeasured.clone())
+        });
         table(store, points, &columns, |block, part: DiagramBlock| {
             let number = usize::from(self.pass(block) != Pass::Up);
             let way = &mut directions[number];
