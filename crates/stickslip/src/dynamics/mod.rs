@@ -211,6 +211,9 @@ pub struct Guard {
     /// Whether the state is possible only where it is positive: a contact's guard, a gap, and a
     /// reaction.
     pub is_condition: bool,
+    /// Whether it is the reaction of a stop, which lifts off where that would pull: also where it
+    /// jumps below zero, or begins there.
+    pub is_reaction: bool,
 }
 
 /// A system with its solver, with numbers of states and contacts known at run time.

@@ -50,6 +50,8 @@ pub(crate) struct Margin {
     pub is_contact_function: bool,
     /// Whether it belongs to the function of a jump.
     pub is_of_jump: bool,
+    /// Whether it is the reaction of a stop.
+    pub is_reaction: bool,
 }
 
 impl Margin {
@@ -101,6 +103,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
                 at: landed.moment(),
                 is_contact_function: false,
                 is_of_jump: true,
+                is_reaction: false,
             });
         }
         let Some(begin) = before.end else {
@@ -119,6 +122,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             at: at.clone(),
             is_contact_function: begin.is_of_contact,
             is_of_jump: begin.is_of_jump,
+            is_reaction: false,
         };
         // Loss or gain of contact changes no mode: the segment continues.
         if let Some(end) = segment.end.filter(|_| count > 1) {

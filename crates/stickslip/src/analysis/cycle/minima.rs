@@ -3,7 +3,7 @@
 
 use super::margin::{Margin, MarginKind, at_events};
 use super::pieces::Piece;
-use super::{Outline, Shooting, closeness};
+use super::{Outline, SegmentKind, Shooting, closeness};
 use crate::dynamics::{Dynamics, Moment};
 use crate::filippov::Options;
 
@@ -24,6 +24,47 @@ struct Sample {
     step: usize,
     s: f64,
     jet: [f64; 4],
+}
+
+/// The samples at which a guard is least, to a tolerance.
+struct Least {
+    /// The first and the last of those that follow each other.
+    samples: [usize; 2],
+    is_at_end: [bool; 2],
+    level: f64,
+}
+
+impl Least {
+    fn of(samples: &[Sample], tolerance: f64) -> Option<Self> {
+        let value = |one: &Sample| one.jet[0];
+        let least = samples
+            .iter()
+            .map(value)
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let level = least.1 + tolerance;
+        let includes = |one: &&Sample| value(one) <= level;
+        let (before, behind) = samples.split_at(least.0);
+        let first = least.0 - before.iter().rev().take_while(includes).count();
+        let last = least.0 + behind.iter().skip(1).take_while(includes).count();
+        Some(Least {
+            samples: [first, last],
+            is_at_end: [first == 0, last + 1 == samples.len()],
+            level,
+        })
+    }
+
+    fn includes(&self, value: f64) -> bool {
+        value <= self.level
+    }
+
+    /// The sample in the middle; `None` where they reach an end at which the guard is zero by the
+    /// event there.
+    fn place(&self, is_zero_at: [bool; 2]) -> Option<usize> {
+        let reaches = |end: usize| self.is_at_end[end] && is_zero_at[end];
+        let [first, last] = self.samples;
+        (!reaches(0) && !reaches(1)).then_some((first + last) / 2)
+    }
 }
 
 impl Shooting<'_> {
@@ -76,7 +117,10 @@ fn minima(
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
         let flow = system.flow(segment.mode, &segment.inside);
         let neighbours = [outline.before(part), &outline.segments[(part + 1) % count]];
-        let ends = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        let mut ends = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        if let SegmentKind::Chatter { landing, .. } = segment.kind {
+            ends[0] = Some(landing);
+        }
         let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;
         // Where an input kinks, a guard may jump: its values before that are those of the step. A
         // step that ends there by rounding has none.
@@ -145,10 +189,12 @@ fn minima(
             };
             let last = samples.len() - 1;
             let mut places = Vec::new();
-            // A jump occurs at a zero of its function only after this was positive in the phase.
+            // A jump occurs at a zero of its function only after this was positive in the phase. A
+            // reaction that begins below zero ends at once.
             let positive = samples.iter().position(|one| one.jet[0] > 0.0);
+            let occurs_at_once = !guard.is_of_jump || guard.is_reaction;
             let may_vanish =
-                |by: usize| !guard.is_of_jump || positive.is_some_and(|first| first <= by);
+                |by: usize| occurs_at_once || positive.is_some_and(|first| first <= by);
             // Where another contact switches, the rate may jump. A guard that this switch releases
             // leaves zero there, or comes to it.
             let by_other = |k: usize| {
@@ -208,7 +254,25 @@ fn minima(
                     places.push((minimum, None, (b.step, s)));
                 }
             }
-            for (kind, other, (step, s)) in places {
+            let is_own_zero = [
+                leaves_zero,
+                own.is_some_and(|end| end.at_kink.is_none()),
+            ];
+            // A constant has no minimum, but a least value. Its size may be that of its terms.
+            let plateau = guard.is_condition.then(|| {
+                let at = moment(begin.step, begin.s);
+                let (by_state, _) = flow.guard_gradient(number, &at);
+                let scale = scale.max(by_state.abs().dot(&at.x.abs()));
+                let least = Least::of(&samples, closeness(options) * scale)?;
+                let is_marked = places.iter().any(|&(_, _, (step, s))| {
+                    least.includes(flow.guard(number, &moment(step, s)))
+                });
+                let place = least.place(is_own_zero).filter(|_| !is_marked)?;
+                let at = (samples[place].step, samples[place].s);
+                Some(((minimum, None, at), scale))
+            });
+            let places = places.into_iter().map(|place| (place, scale));
+            for ((kind, other, (step, s)), scale) in places.chain(plateau.flatten()) {
                 let at = moment(step, s);
                 let (by_state, _) = flow.guard_gradient(number, &at);
                 margins.push(Margin {
@@ -223,6 +287,7 @@ fn minima(
                     at,
                     is_contact_function: guard.goes_on,
                     is_of_jump: guard.is_of_jump,
+                    is_reaction: guard.is_reaction,
                 });
             }
         }

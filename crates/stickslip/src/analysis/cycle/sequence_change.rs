@@ -41,6 +41,9 @@ pub enum SequenceBifurcation {
     /// does not jump. On the other it does, with a derivative that grows without bound towards the
     /// graze.
     JumpGrazing,
+    /// The reaction of a stop comes to zero. On one side of the change the stop carries; on the
+    /// other the body lifts off, for a short time or, where the reaction is constant, for good.
+    LiftOff,
 }
 
 impl fmt::Display for SequenceBifurcation {
@@ -54,6 +57,7 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
             SequenceBifurcation::Coincidence => "coincidence",
             SequenceBifurcation::JumpGrazing => "grazing of a jump",
+            SequenceBifurcation::LiftOff => "lift-off",
         })
     }
 }
@@ -107,6 +111,9 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, [[f64; 
     let none = [[f64::NAN; 2]; 2];
     if margin.other.is_some() {
         return (SequenceBifurcation::Coincidence, none);
+    }
+    if margin.is_reaction {
+        return (SequenceBifurcation::LiftOff, none);
     }
     if margin.is_of_jump {
         return (SequenceBifurcation::JumpGrazing, none);
