@@ -1,11 +1,13 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at those ends of a
 //! phase that belong to another contact.
 
+use numerics::bisect;
+
 use super::margin::{Margin, MarginKind, at_events};
 use super::pieces::Piece;
 use super::{Outline, SegmentKind, Shooting, closeness};
-use crate::dynamics::{Dynamics, Moment};
-use crate::filippov::Options;
+use crate::dynamics::{Dynamics, Guard, Moment};
+use crate::filippov::{Direction, Options};
 
 /// Samples per step among which the minima of a guard are bracketed. Chosen: the guard's rate is
 /// nearly a polynomial of the method's order in a step, and two minima closer than this are rare.
@@ -76,7 +78,7 @@ impl Shooting<'_> {
             self.refine(outline, pieces, margin);
             margin.error *= error;
         }
-        margins.extend(at_events(self.system, outline, pieces));
+        margins.extend(at_events(self.system, outline, pieces, error));
         margins
     }
 
@@ -138,7 +140,17 @@ fn minima(
             let t = step.t_start + s * (step.t_end - step.t_start);
             Moment { t, x: solution(t) }
         };
-        for guard in flow.guards().into_iter().filter(|guard| guard.is_watched) {
+        let is_conditional = |guard: &Guard| {
+            let decision = || system.decision(guard.contact, &piece.begin);
+            guard.is_of_jump
+                && !guard.is_watched
+                && decision().comparisons.iter().any(|one| one.is_of_condition)
+        };
+        for guard in flow.guards() {
+            let is_conditional = is_conditional(&guard);
+            if !guard.is_watched && !is_conditional {
+                continue;
+            }
             let (number, contact) = (guard.number, guard.contact);
             let jet = |step, s| flow.guard_jet(number, &moment(step, s));
             let sample = |(step, s)| Sample {
@@ -254,23 +266,66 @@ fn minima(
                     places.push((minimum, None, (b.step, s)));
                 }
             }
-            let is_own_zero = [
-                leaves_zero,
-                own.is_some_and(|end| end.at_kink.is_none()),
-            ];
+            let is_own_zero = [leaves_zero, own.is_some_and(|end| end.at_kink.is_none())];
             // A constant has no minimum, but a least value. Its size may be that of its terms.
             let plateau = guard.is_condition.then(|| {
                 let at = moment(begin.step, begin.s);
                 let (by_state, _) = flow.guard_gradient(number, &at);
                 let scale = scale.max(by_state.abs().dot(&at.x.abs()));
                 let least = Least::of(&samples, closeness(options) * scale)?;
-                let is_marked = places.iter().any(|&(_, _, (step, s))| {
-                    least.includes(flow.guard(number, &moment(step, s)))
-                });
+                let is_marked = places
+                    .iter()
+                    .any(|&(_, _, (step, s))| least.includes(flow.guard(number, &moment(step, s))));
                 let place = least.place(is_own_zero).filter(|_| !is_marked)?;
                 let at = (samples[place].step, samples[place].s);
                 Some(((minimum, None, at), scale))
             });
+            // A zero at which its condition does not hold is none.
+            places.retain(|(.., (step, s))| {
+                !is_conditional || system.decision(contact, &moment(*step, *s)).happens
+            });
+            if is_conditional {
+                let both = system.map(contact, &piece.begin).direction == Direction::Both;
+                let passes = |a: f64, b: f64| a > 0.0 && b <= 0.0 || both && a < 0.0 && b >= 0.0;
+                let at = |(a, b): (&Sample, &Sample)| {
+                    let is_below = |s: f64| (jet(b.step, s)[0] <= 0.0) == (b.jet[0] <= 0.0);
+                    let s = match is_kink(a, b) {
+                        true => 0.0,
+                        false => bisect(between(a, b).0, b.s, is_below),
+                    };
+                    moment(b.step, s)
+                };
+                // The last zero may be the event that ends the phase.
+                let inner = last + usize::from(ends[1] != Some(contact));
+                let pairs = samples[..inner].iter().zip(&samples[1..inner]);
+                let within = pairs.filter(|(a, b)| passes(a.jet[0], b.jet[0])).map(at);
+                // It may pass through zero in the event before the phase.
+                let earlier = &pieces[(part + count - 1) % count].end;
+                let at_begin = passes(flow.guard(number, earlier), begin.jet[0]) && !leaves_zero;
+                let at_begin = at_begin.then(|| moment(begin.step, begin.s));
+                let passed = at_begin.into_iter().chain(within).filter_map(|at| {
+                    let decision = system.decision(contact, &at);
+                    let all = decision.comparisons.into_iter();
+                    let deciding = all.filter(|one| one.is_of_condition && one.decides);
+                    let least = deciding.min_by(|a, b| a.lead.abs().total_cmp(&b.lead.abs()))?;
+                    let sign = if decision.happens { -1.0 } else { 1.0 };
+                    Some(Margin {
+                        part,
+                        kind: MarginKind::Passed(number),
+                        value: sign * least.lead.abs(),
+                        scale: least.size,
+                        error: least.slope,
+                        incoming: segment.mode,
+                        contact,
+                        other: None,
+                        at,
+                        is_contact_function: false,
+                        is_of_jump: true,
+                        is_reaction: false,
+                    })
+                });
+                margins.extend(passed);
+            }
             let places = places.into_iter().map(|place| (place, scale));
             for ((kind, other, (step, s)), scale) in places.chain(plateau.flatten()) {
                 let at = moment(step, s);
