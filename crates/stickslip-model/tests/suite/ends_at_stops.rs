@@ -127,7 +127,8 @@ fn a_reaction_that_vanishes_in_a_phase_is_a_lift_off() {
 #[test]
 fn a_reaction_that_pulls_behind_a_kink_no_more_is_a_lift_off() {
     // N is 1 and, while the pulse lasts, 1 - q: the body lifts off at the kink if q exceeds 1.
-    let text = "name = \"pulled\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 1.2\n[inputs.pull]\n\
+    let text = "name = \"pulled\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 1.2\n\
+                [inputs.pull]\n\
                 shape = \"pulse\"\nwidth = 0.25\nperiod = 4\nphase = 0.5\n[field]\nx = \"v\"\n\
                 v = \"q*pull - 1\"\n[stops.pad]\ngap = \"x\"\nacts = { v = 1 }\nrestitution = 0\n\
                 [start]\nx = 0\nv = 0\n[time]\nend = 60\nperiod = 4\n";
@@ -254,8 +255,10 @@ fn landing_meets_lift_off(restitution: f64) -> f64 {
 
 #[test]
 fn a_branch_ends_where_the_landing_of_a_ball_meets_its_lift_off() {
-    let text = "name = \"ball\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 1.2\n[inputs.saw]\n\
-                shape = \"sawtooth\"\nperiod = 1\n[field]\nx = \"v\"\nv = \"q*saw - 1\"\n[stops.pad]\n\
+    let text = "name = \"ball\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 1.2\n\
+                [inputs.saw]\n\
+                shape = \"sawtooth\"\nperiod = 1\n[field]\nx = \"v\"\nv = \"q*saw - 1\"\n\
+                [stops.pad]\n\
                 gap = \"x\"\nacts = { v = 1 }\nrestitution = 0.5\n[start]\nx = 0\nv = 0\n[time]\n\
                 start = 0.5\nend = 60\nperiod = 1\n";
     let exact = landing_meets_lift_off(0.5);

@@ -250,8 +250,8 @@ impl Continuation<'_> {
     /// The change at the last orbit where a segment of it has all but vanished, for when no orbit
     /// without it could be computed.
     pub(super) fn vanished_segment(&self, line: &TangentLine, place: f64) -> Option<Change> {
-        // Part of the period. Chosen: a duration that vanishes like a root is far shorter within the
-        // shortest step. A long one has an infinite rate where another change is.
+        // Part of the period. Chosen: a duration that vanishes like a root is far shorter within
+        // the shortest step. A long one has an infinite rate where another change is.
         const SHORT: f64 = 1e-2;
         let (number, _) = *line.vanishing(place).first()?;
         let last = &self.branch.last;
@@ -273,9 +273,9 @@ impl Continuation<'_> {
         })
     }
 
-    /// The change within a step that leads to no orbit, if the speed of a jump's arrival or the lead
-    /// in a comparison of a jump vanishes there along the last two orbits. Behind it the jump may
-    /// have no map, as at a stop that nothing approaches, or another one.
+    /// The change within a step that leads to no orbit, if the speed of a jump's arrival or the
+    /// lead in a comparison of a jump vanishes there along the last two orbits. Behind it the jump
+    /// may have no map, as at a stop that nothing approaches, or another one.
     pub(super) fn vanishing_at_jump(&self, step: f64) -> Option<Change> {
         let (line, [before, last]) = (
             self.branch.line.as_ref()?,
@@ -316,11 +316,12 @@ impl Continuation<'_> {
         })
     }
 
-    /// The change within a step that leads to no orbit, if impacts that accumulate before a phase at
-    /// rest do so ever later, until that phase would end before.
+    /// The change within a step that leads to no orbit, if impacts that accumulate before a phase
+    /// at rest do so ever later, until that phase would end before.
     ///
-    /// The duration of the phase vanishes like a power of the distance, with ever more impacts: each
-    /// has the same part of the time that is left. So the place is the last one with such an orbit.
+    /// The duration of the phase vanishes like a power of the distance, with ever more impacts:
+    /// each takes the same part of the time that is left. So the place is the last one with such
+    /// an orbit.
     pub(super) fn late_landing(&self, step: f64) -> Option<Change> {
         let (line, last) = (self.branch.line.as_ref()?, &self.branch.last);
         let part = self.shooting.never_landing(&line.guess(step))?;
