@@ -162,6 +162,20 @@ fn a_reaction_that_a_jump_takes_away_lets_go_with_it() {
 }
 
 #[test]
+fn a_jump_that_leads_to_a_stop_is_a_named_change() {
+    // Once a period the body is put at q, with a speed off the pad.
+    let text = "name = \"put\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 0.3\n[field]\n\
+                x = \"v\"\nv = -1\n[jumps.put]\nwhen = \"sin(t)\"\ndirection = \"rising\"\n\
+                set = { x = \"q\", v = 0.5 }\n[stops.pad]\ngap = \"x\"\nacts = { v = 1 }\n\
+                restitution = 0\n[start]\nx = 0.1\nv = 0\n[time]\nstart = 1\nend = 60\n\
+                period = \"2*pi\"\n";
+    for method in METHODS {
+        let what = (SequenceBifurcation::Coincidence, "pad.impact, put", 0.0);
+        assert_change((&system(text), -0.1, 0.5), method, what);
+    }
+}
+
+#[test]
 fn a_law_without_a_derivative_is_named_where_no_orbit_is_found() {
     let text = "name = \"root\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = 0.5\n[field]\n\
                 x = \"v\"\nv = \"-x - 0.2*v + cos(t) - friction(c)\"\n[contacts.c]\n\

@@ -202,9 +202,9 @@ fn minima(
             let last = samples.len() - 1;
             let mut places = Vec::new();
             // A jump occurs at a zero of its function only after this was positive in the phase. A
-            // reaction that begins below zero ends at once.
+            // state at which a gap or a reaction is below zero is none of the system.
             let positive = samples.iter().position(|one| one.jet[0] > 0.0);
-            let occurs_at_once = !guard.is_of_jump || guard.is_reaction;
+            let occurs_at_once = !guard.is_of_jump || guard.is_condition;
             let may_vanish =
                 |by: usize| occurs_at_once || positive.is_some_and(|first| first <= by);
             // Where another contact switches, the rate may jump. A guard that this switch releases
