@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use stickslip::Direction;
+use stickslip::dynamics::Comparison;
 use stickslip::scalar::Dual;
 
 use super::impacts::ROUNDING;
@@ -45,14 +46,45 @@ impl JumpCondition {
         judged(&self.test, &mut leads.into_iter())
     }
 
+    /// The comparisons, numbered from `first` on.
+    pub(super) fn comparisons(
+        &self,
+        (t, x): (f64, &[f64]),
+        discrete: &[bool],
+        (first, is_of_condition): (usize, bool),
+    ) -> Vec<Comparison> {
+        let all = self.compared(t, x, discrete);
+        let all = all.into_iter().enumerate();
+        all.map(|(number, (of, decides))| Comparison {
+            number: first + number,
+            lead: of.value,
+            size: of.value.abs() + of.size(t, x),
+            slope: of
+                .by_state
+                .iter()
+                .map(|slope| slope * slope)
+                .sum::<f64>()
+                .sqrt(),
+            decides,
+            is_of_condition,
+        })
+        .collect()
+    }
+
     /// Whether a comparison that decides is between equal numbers, to rounding, and a change of the
     /// time or of a state that is not discrete makes one of them larger.
     pub(super) fn is_tied(&self, t: f64, x: &[f64], discrete: &[bool]) -> bool {
+        let mut all = self.compared(t, x, discrete).into_iter();
+        all.any(|(of, decides)| decides && of.value.abs() <= ROUNDING * of.size(t, x))
+    }
+
+    /// The lead of each comparison, and whether the opposite result of that alone would change
+    /// whether the condition holds. It never is where only discrete states move the lead.
+    fn compared(&self, t: f64, x: &[f64], discrete: &[bool]) -> Vec<(Slopes, bool)> {
         let mut leads = vec![f64::NAN; self.count];
         self.leads.evaluate(t, x, &mut leads);
-        let slopes = slopes(&self.leads, self.count, t, x);
-        (0..self.count).any(|number| {
-            let of = &slopes[number];
+        let slopes = slopes(&self.leads, self.count, t, x).into_iter();
+        let decided = |(number, of): (usize, Slopes)| {
             let moves = |state: usize| discrete.get(state) != Some(&true);
             let by_state = of.by_state.iter().enumerate();
             let is_moved = of.in_time != 0.0 || { by_state }
@@ -62,8 +94,9 @@ impl JumpCondition {
                 leads[number] = side;
                 judged(&self.test, &mut leads.into_iter())
             });
-            of.value.abs() <= ROUNDING * of.size(t, x) && is_moved && one != other
-        })
+            (of, is_moved && one != other)
+        };
+        slopes.enumerate().map(decided).collect()
     }
 }
 

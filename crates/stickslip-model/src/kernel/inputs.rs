@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use numerics::bisect;
-use stickslip::dynamics::Jumps;
+use stickslip::dynamics::{Comparison, Jumps};
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
@@ -275,6 +275,12 @@ pub struct Jump {
 }
 
 impl Jump {
+    /// Whether a choice is part of the branch that others have chosen.
+    fn counts(&self, choice: &Choice, t: f64, x: &[f64]) -> bool {
+        let mut within = choice.within.iter();
+        within.all(|(number, holds)| self.choices[*number].condition.holds(t, x) == Some(*holds))
+    }
+
     /// The jump with other values of the held numbers of its graph.
     fn with_held(&self, held: &Arc<[f64]>) -> Self {
         let bound = |condition: &JumpCondition| condition.with_held(held);
@@ -488,14 +494,28 @@ impl Switching {
     fn is_tied(&self, jump: usize, t: f64, x: &[f64]) -> bool {
         let jump = &self.jumps[jump];
         let is_tied = |of: &JumpCondition| of.is_tied(t, x, &self.discrete);
-        let counts = |choice: &Choice| {
-            let mut within = choice.within.iter();
-            within
-                .all(|(number, holds)| jump.choices[*number].condition.holds(t, x) == Some(*holds))
-        };
         let mut choices = jump.choices.iter();
         jump.condition.as_ref().is_some_and(is_tied)
-            || choices.any(|choice| counts(choice) && is_tied(&choice.condition))
+            || choices.any(|choice| jump.counts(choice, t, x) && is_tied(&choice.condition))
+    }
+
+    /// The comparisons on which a jump hangs: those of its condition, then those of its choices.
+    fn comparisons(&self, jump: usize, t: f64, x: &[f64]) -> Vec<Comparison> {
+        let jump = &self.jumps[jump];
+        let mut all = Vec::new();
+        let conditions = jump.condition.iter().map(|condition| (condition, None));
+        let choices = jump.choices.iter();
+        let choices = choices.map(|choice| (&choice.condition, Some(choice)));
+        for (condition, choice) in conditions.chain(choices) {
+            let counts = choice.is_none_or(|choice| jump.counts(choice, t, x));
+            let first = (all.len(), choice.is_none());
+            let own = condition.comparisons((t, x), &self.discrete, first);
+            all.extend(own.into_iter().map(|one| Comparison {
+                decides: one.decides && counts,
+                ..one
+            }));
+        }
+        all
     }
 
     fn set_held(&self, input: usize, t: f64, x: &mut [f64]) {
@@ -542,6 +562,10 @@ impl<const N: usize> Jumps<N> for Switching {
 
     fn is_tied(&self, jump: usize, t: f64, x: &[f64; N]) -> bool {
         Switching::is_tied(self, jump, t, x)
+    }
+
+    fn comparisons(&self, jump: usize, t: f64, x: &[f64; N]) -> Vec<Comparison> {
+        Switching::comparisons(self, jump, t, x)
     }
 
     fn is_conditional(&self, jump: usize) -> bool {

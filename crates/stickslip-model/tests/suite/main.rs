@@ -9,6 +9,7 @@ mod curve_points;
 mod curves;
 mod derivatives;
 mod double_points;
+mod ends_at_stops;
 mod ensemble;
 mod expression_derivatives;
 mod extremes;

@@ -51,7 +51,8 @@ const MOST_SEQUENCES: usize = 8;
 ///
 /// # Errors
 /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
-/// [`crate::analysis::monodromy`]. [`Error::NotFound`] where none of the sequences has an orbit
+/// [`crate::analysis::monodromy`], also of the last run from which no orbit was found.
+/// [`Error::NotFound`] where none of the sequences has an orbit
 /// that closes to 100 tolerances, or to the rounding of state and time, and moves by more than
 /// that. [`Error::NotConverged`] where the run from the orbit does not return to it.
 pub fn periodic_orbit_forced<Kind>(
@@ -262,9 +263,9 @@ fn shortest(
             None => Ok(orbit),
         };
     };
-    match orbit_near(system, &start, (period, drive.is_some()), options) {
+    match orbit_in_sequences(system, &start, (period, drive.is_some()), options) {
         // At a loose tolerance a part may close so badly that another orbit is near it.
-        Ok(part) if (&part.x - &start.x).amax() <= orbit.closes_to + part.residual => Ok(part),
+        Ok(Ok(part)) if (&part.x - &start.x).amax() <= orbit.closes_to + part.residual => Ok(part),
         Ok(_) | Err(Error::NotConverged { .. } | Error::NotFound { .. }) => Ok(orbit),
         Err(other) => Err(other),
     }
@@ -369,34 +370,69 @@ fn settled(system: &dyn Dynamics, (at, mode): &StateInMode) -> Moment {
 /// The periodic orbit near a start, with the phase sequence of the run from there. Where no orbit
 /// has it, the sequence of the run one period later is used. Where the resulting orbit has another
 /// one itself, that one is used.
+///
+/// Where there is none since the flow has no derivative along the last attempt, the error is that
+/// of the derivative.
 fn orbit_near(
     system: &dyn Dynamics,
     start: &Moment,
     (period, is_forced): (f64, bool),
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
+    match orbit_in_sequences(system, start, (period, is_forced), options)? {
+        Ok(orbit) => Ok(orbit),
+        Err(last) => Err(why_not_found(
+            system,
+            (&last, period),
+            options,
+            Error::NotFound {
+                what: "a periodic orbit near the start",
+                t: start.t,
+                span: period,
+            },
+        )),
+    }
+}
+
+/// The reason for which no periodic orbit was found from a moment on: that the flow has no
+/// derivative along the orbit from there, or else that it was not found.
+pub(super) fn why_not_found(
+    system: &dyn Dynamics,
+    (from, period): (&Moment, f64),
+    options: &Options,
+    not_found: Error,
+) -> Error {
+    let derivative = flow_derivative(system, from, from.t + period, options, false);
+    derivative.err().unwrap_or(not_found)
+}
+
+/// The periodic orbit of [`orbit_near`], or the moment from which it was last sought.
+fn orbit_in_sequences(
+    system: &dyn Dynamics,
+    start: &Moment,
+    (period, is_forced): (f64, bool),
+    options: &Options,
+) -> Result<Result<PeriodicOrbit, Moment>, Error> {
     let forced = is_forced.then_some(period);
     let mut from = start.clone();
+    let mut last = start.clone();
     let mut rejected: Option<Vec<Modes>> = None;
     for _ in 0..MOST_SEQUENCES {
         let outline = Outline::of_run(system, &from, period, options)?;
         let shooting = Shooting::of(system, &outline, forced, options);
-        match shooting.nearest(&outline, None) {
+        let next = match shooting.nearest(&outline, None) {
             Some(cycle) if shooting.is_valid(&cycle) || rejected == Some(outline.modes()) => {
-                return closed_orbit(&shooting, &cycle, start);
+                return closed_orbit(&shooting, &cycle, start).map(Ok);
             }
             Some(cycle) => {
                 rejected = Some(outline.modes());
-                from = cycle.anchor;
+                cycle.anchor
             }
-            None => from = a_period_later(system, &from, period, options)?,
-        }
+            None => a_period_later(system, &from, period, options)?,
+        };
+        last = std::mem::replace(&mut from, next);
     }
-    Err(Error::NotFound {
-        what: "a periodic orbit near the start",
-        t: start.t,
-        span: period,
-    })
+    Ok(Err(last))
 }
 
 fn a_period_later(

@@ -181,6 +181,7 @@ where
             is_of_jump: false,
             is_watched: true,
             is_condition: true,
+            is_reaction: false,
         };
         let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
         let guards = guards.filter(|guard| guard.contact < self.view.contacts);
@@ -192,6 +193,7 @@ where
             is_watched: self.view.jumps.is_searched(jump) && !self.view.jumps.is_conditional(jump),
             is_condition: self.view.jumps.is_never_negative(jump)
                 || self.view.jumps.is_reaction(jump),
+            is_reaction: self.view.jumps.is_reaction(jump),
         });
         guards.chain(jumps).collect()
     }

@@ -136,6 +136,12 @@ pub trait Jumps<const N: usize> {
         false
     }
 
+    /// The comparisons of numbers on which this jump hangs: whether it happens, and what it sets.
+    /// By default there are none.
+    fn comparisons(&self, _jump: usize, _t: f64, _x: &[f64; N]) -> Vec<Comparison> {
+        Vec::new()
+    }
+
     /// The value in a state that says whether a stop carries, if it is neither 0 nor 1 within an
     /// error. By default there are no stops.
     fn half_carried(&self, _x: &[f64], _within: f64) -> Option<f64> {
@@ -246,6 +252,33 @@ pub struct WithJumps<S, J> {
     pub system: S,
     /// The jumps.
     pub jumps: J,
+}
+
+/// A comparison of two numbers on which a jump hangs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Its number among those of the jump.
+    pub number: usize,
+    /// The lead of the number that is asked to be larger.
+    pub lead: f64,
+    /// Size of the terms of the lead.
+    pub size: f64,
+    /// Largest change of the lead with the states, per unit of their Euclidean distance.
+    pub slope: f64,
+    /// Whether the opposite result, with all others as they are, would change whether the jump
+    /// happens or what it sets. It never is where only discrete states move the lead.
+    pub decides: bool,
+    /// Whether it is part of the condition of the jump, and not of a choice in what that sets.
+    pub is_of_condition: bool,
+}
+
+/// What decides about a jump at a moment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decision {
+    /// Whether it would happen at a zero of its function there.
+    pub happens: bool,
+    /// The comparisons on which it hangs.
+    pub comparisons: Vec<Comparison>,
 }
 
 /// The effect of a jump at a moment.

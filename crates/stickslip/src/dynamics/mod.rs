@@ -30,7 +30,7 @@ use crate::system::{Filippov, State};
 pub use batch::Listener;
 pub(crate) use carried::TANGENT_ERROR;
 pub use interrupt::Interrupt;
-pub use jumps::{Jumps, KinkShift, Reset, WithJumps};
+pub use jumps::{Comparison, Decision, Jumps, KinkShift, Reset, WithJumps};
 use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts, SeveralContactsAndJumps};
 pub use memory::RunMemory;
 pub use modes::Modes;
@@ -211,6 +211,9 @@ pub struct Guard {
     /// Whether the state is possible only where it is positive: a contact's guard, a gap, and a
     /// reaction.
     pub is_condition: bool,
+    /// Whether it is the reaction of a stop, which lifts off where that would pull: also where it
+    /// jumps below zero, or begins there.
+    pub is_reaction: bool,
 }
 
 /// A system with its solver, with numbers of states and contacts known at run time.
@@ -337,6 +340,12 @@ pub trait Dynamics: Send + Sync {
 
     /// The effect of a jump, with the values that inputs hold from the time `held` on.
     fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset;
+
+    /// The effect of a jump at a moment, whether or not its condition holds there.
+    fn map(&self, number: usize, at: &Moment) -> Reset;
+
+    /// What decides about a jump at a moment. Its number is counted after those of the contacts.
+    fn decision(&self, number: usize, at: &Moment) -> Decision;
 
     /// The moment that stops admit next to one of an orbit at another parameter: on the stops that
     /// carry, and in front of the others.

@@ -8,16 +8,16 @@ use std::sync::Arc;
 use super::batch::{BatchOrbit, Listener, one_by_one};
 use super::flow::TypedFlow;
 use super::interrupt::Interrupt;
-use super::jumps::{Jumps, NoJumps, Reset};
+use super::jumps::{Decision, Jumps, NoJumps, Reset};
 use super::section::NoSection;
 use super::view::View;
 use super::{
-    Dynamics, KinkShift, Matrix, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow,
-    Step, Transition, Vector, Watching,
+    Dynamics, KinkShift, Modes, Moment, OrbitUnderWay, RunMemory, Section, SmoothFlow, Step,
+    Transition, Vector, Watching,
 };
 use crate::dual::Dual;
 use crate::error::Error;
-use crate::filippov::{EventFunctions, Method, Options, Switched, seeded, side_by_side};
+use crate::filippov::{EventFunctions, Method, Options, Switched, side_by_side};
 use crate::ode::Timed;
 use crate::system::components;
 
@@ -307,33 +307,25 @@ where
             held: Some(held),
             ..self.view()
         };
-        let jump = number - self.contacts;
-        let here = of.timed(at);
-        let Timed { t, x } = here;
-        let states = self.states;
-        let along = |direction: usize| {
-            let (t, x) = seeded(&here, direction);
-            let change = of.jumps.set(jump, t, &x);
-            Vector::from_fn(states, |i, _| change[i].eps)
-        };
-        let columns: Vec<Vector> = (0..states).map(along).collect();
-        let (gradient, in_time) = of.gradient(|t, x| of.jumps.when(jump, t, x), &here);
-        let x_there = components(&x);
-        let after = match of.jumps.happens(jump, t, x_there) {
-            true => of.vector(&of.jumps.set(jump, t, x_there).into()),
-            false => Vector::from_element(states, f64::NAN),
-        };
-        Reset {
-            after,
-            by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
-            by_time: along(N),
-            value: of.jumps.when(jump, t, components(&x)),
-            direction: of.jumps.direction(jump),
-            gradient: of.vector(&gradient),
-            in_time,
-            is_tied: of.jumps.is_tied(jump, t, x_there),
-            rests: of.jumps.rests(jump).is_some(),
-            lands: (0..of.jumps.count()).any(|other| of.jumps.rests(other) == Some(jump)),
+        let mut reset = of.map(number, at);
+        let Timed { t, x } = of.timed(at);
+        if !of.jumps.happens(number - self.contacts, t, components(&x)) {
+            reset.after.fill(f64::NAN);
+        }
+        reset
+    }
+
+    fn map(&self, number: usize, at: &Moment) -> Reset {
+        self.view().map(number, at)
+    }
+
+    fn decision(&self, number: usize, at: &Moment) -> Decision {
+        let of = self.view();
+        let (jump, Timed { t, x }) = (number - self.contacts, of.timed(at));
+        let x = components(&x);
+        Decision {
+            happens: of.jumps.happens(jump, t, x),
+            comparisons: of.jumps.comparisons(jump, t, x),
         }
     }
 

@@ -1,13 +1,13 @@
 //! A typed system as the solver and the analyses see it.
 
 use super::interrupt::Interrupt;
-use super::jumps::{Jumps, allowed, kept, landed};
-use super::{Kink, Modes, Moment, Passage, Phase, Summary, Transition, Vector};
+use super::jumps::{Jumps, Reset, allowed, kept, landed};
+use super::{Kink, Matrix, Modes, Moment, Passage, Phase, Summary, Transition, Vector};
 use crate::dual::Dual;
 use crate::error::{Error, Point};
 use crate::filippov::{
     EventOf, EventRecord, Integration, Options, PhaseOf, Switched, TOLERATED, TransitionKind,
-    TransitionOf, gradient,
+    TransitionOf, gradient, seeded,
 };
 use crate::ode::Timed;
 use crate::orbit::SummaryOf;
@@ -119,6 +119,34 @@ where
                 ..at
             },
             false => at,
+        }
+    }
+
+    /// The effect of a jump at a moment, whether or not its condition holds there.
+    pub(super) fn map(&self, number: usize, at: &Moment) -> Reset {
+        let jump = number - self.contacts;
+        let here = self.timed(at);
+        let Timed { t, x } = here;
+        let states = self.states;
+        let along = |direction: usize| {
+            let (t, x) = seeded(&here, direction);
+            let change = self.jumps.set(jump, t, &x);
+            Vector::from_fn(states, |i, _| change[i].eps)
+        };
+        let columns: Vec<Vector> = (0..states).map(along).collect();
+        let (gradient, in_time) = self.gradient(|t, x| self.jumps.when(jump, t, x), &here);
+        let x_there = components(&x);
+        Reset {
+            after: self.vector(&self.jumps.set(jump, t, x_there).into()),
+            by_state: Matrix::from_fn(states, states, |i, j| columns[j][i]),
+            by_time: along(N),
+            value: self.jumps.when(jump, t, components(&x)),
+            direction: self.jumps.direction(jump),
+            gradient: self.vector(&gradient),
+            in_time,
+            is_tied: self.jumps.is_tied(jump, t, x_there),
+            rests: self.jumps.rests(jump).is_some(),
+            lands: (0..self.jumps.count()).any(|other| self.jumps.rests(other) == Some(jump)),
         }
     }
 

@@ -2,11 +2,11 @@
 //! behind them.
 
 use super::stepping::StepOutcome;
-use super::steps::Continuation;
+use super::steps::{Continuation, RESOLUTION};
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
 use crate::analysis::cycle::{
-    Cycle, LocatedZero, Margin, MarginKind, Outline, Path, SAFETY, describe,
+    Cycle, LocatedZero, Margin, MarginKind, Outline, Path, SAFETY, Shooting, describe,
 };
 use crate::analysis::passages::passages;
 use crate::dynamics::{Moment, Vector};
@@ -250,9 +250,12 @@ impl Continuation<'_> {
     /// The change at the last orbit where a segment of it has all but vanished, for when no orbit
     /// without it could be computed.
     pub(super) fn vanished_segment(&self, line: &TangentLine, place: f64) -> Option<Change> {
+        // Part of the period. Chosen: a duration that vanishes like a root is far shorter within
+        // the shortest step. A long one has an infinite rate where another change is.
+        const SHORT: f64 = 1e-2;
         let (number, _) = *line.vanishing(place).first()?;
         let last = &self.branch.last;
-        let margin = duration(last, number)?;
+        let margin = duration(last, number).filter(|margin| margin.relative() <= SHORT)?;
         let row = last.outline.unit(last.outline.begin.x.len() + number);
         let of_steps = self.error_of_steps(last, &last.outline, (&row, margin.value));
         let ahead = line.heading() * place;
@@ -270,10 +273,10 @@ impl Continuation<'_> {
         })
     }
 
-    /// The change within a step that leads to no orbit, if the speed of a jump's arrival vanishes
-    /// there along the last two orbits. Behind it the jump may have no map, as at a stop that
-    /// nothing approaches.
-    pub(super) fn vanishing_arrival(&self, step: f64) -> Option<Change> {
+    /// The change within a step that leads to no orbit, if the speed of a jump's arrival or the
+    /// lead in a comparison of a jump vanishes there along the last two orbits. Behind it the jump
+    /// may have no map, as at a stop that nothing approaches, or another one.
+    pub(super) fn vanishing_at_jump(&self, step: f64) -> Option<Change> {
         let (line, [before, last]) = (
             self.branch.line.as_ref()?,
             [&self.branch.before, &self.branch.last],
@@ -283,8 +286,8 @@ impl Continuation<'_> {
         }
         let gone = -line.place(before);
         let of_jumps = last.margins.iter();
-        let of_jumps =
-            of_jumps.filter(|margin| margin.is_of_jump && margin.kind == MarginKind::Arrival);
+        let ends = |kind| matches!(kind, MarginKind::Arrival | MarginKind::Choice(_));
+        let of_jumps = of_jumps.filter(|margin| margin.is_of_jump && ends(margin.kind));
         let places = of_jumps.filter_map(|margin| {
             let before = before.margin_like(margin)?.value;
             Some((line.heading() * gone / (before - margin.value), margin))
@@ -309,6 +312,46 @@ impl Continuation<'_> {
             at,
             line: line.clone(),
             margin: margin.clone(),
+            behind: None,
+        })
+    }
+
+    /// The change within a step that leads to no orbit, if impacts that accumulate before a phase
+    /// at rest do so ever later, until that phase would end before.
+    ///
+    /// The duration of the phase vanishes like a power of the distance, with ever more impacts:
+    /// each takes the same part of the time that is left. So the place is the last one with such
+    /// an orbit.
+    pub(super) fn late_landing(&self, step: f64) -> Option<Change> {
+        let (line, last) = (self.branch.line.as_ref()?, &self.branch.last);
+        let part = self.shooting.never_landing(&line.guess(step))?;
+        let is_its = |margin: &&Margin| margin.kind == MarginKind::Rest && margin.part == part;
+        let margin = last.margins.iter().find(is_its)?;
+        let edge = |shooting: &Shooting<'_>| {
+            let (mut good, mut bad) = (-step, 2.0 * step);
+            while bad - good > RESOLUTION {
+                let middle = 0.5 * (good + bad);
+                match line.on(shooting, middle) {
+                    Some(_) => good = middle,
+                    None => bad = middle,
+                }
+            }
+            (good, bad)
+        };
+        let (good, bad) = edge(&self.shooting);
+        let (good_finer, _) = edge(&self.shooting.finer());
+        let of_steps = SAFETY * (good_finer - good).abs();
+        let solution = line.on(&self.shooting, good)?;
+        let at = LocatedZero {
+            s: good,
+            parameter: parameter_of(&solution),
+            uncertainty: (bad - good + of_steps) * line.heading().abs(),
+            solution,
+        };
+        Some(Change {
+            margin: at.solution.margin_like(margin)?.clone(),
+            at,
+            line: line.clone(),
             behind: None,
         })
     }

@@ -10,6 +10,7 @@ use super::{
 };
 use crate::analysis::cycle::{Cycle, LocatedZero, Margin, Outline, Shooting, StepBudget};
 use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
+use crate::analysis::periodic::why_not_found;
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -96,11 +97,13 @@ impl<'a> Continuation<'a> {
         };
         let row = outline.unit(last);
         let first = shooting.nearest(&outline, Some((&row, value)));
-        let first = first.ok_or(Error::NotFound {
-            what: "a periodic orbit near the start of the branch",
-            t: start.t,
-            span: period,
-        })?;
+        let not_found = || {
+            let what = "a periodic orbit near the start of the branch";
+            let (t, span) = (start.t, period);
+            let not_found = Error::NotFound { what, t, span };
+            why_not_found(system, (&start, period), options, not_found)
+        };
+        let first = first.ok_or_else(not_found)?;
         let fold = at_fold(&shooting, &first, &row);
         let (first, row) = fold.unwrap_or((first, row));
         let shooting = Shooting {
@@ -244,7 +247,8 @@ impl<'a> Continuation<'a> {
             }
             step = 0.5 * place;
             if step < SHORTEST_STEP {
-                return match self.vanished_segment(&line, place) {
+                let vanished = self.vanished_segment(&line, place);
+                return match vanished.or_else(|| self.vanishing_at_jump(place)) {
                     Some(change) => self.pass_change(change),
                     None => StepOutcome::Lost,
                 };
@@ -482,9 +486,12 @@ impl Stepping for BranchSteps<'_, '_, '_> {
         let outcome = self.continuation.advance();
         if let StepOutcome::Shortened(length) = outcome
             && length < SHORTEST_STEP
-            && let Some(change) = self.continuation.vanishing_arrival(length / SHORTER)
         {
-            return self.continuation.pass_change(change);
+            let (of, step) = (&self.continuation, length / SHORTER);
+            let change = of.vanishing_at_jump(step).or_else(|| of.late_landing(step));
+            if let Some(change) = change {
+                return self.continuation.pass_change(change);
+            }
         }
         if !matches!(outcome, StepOutcome::Found { .. } | StepOutcome::Elsewhere) {
             return outcome;

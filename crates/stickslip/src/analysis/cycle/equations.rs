@@ -140,7 +140,7 @@ impl Assembly<'_> {
         let rate = in_time + gradient.dot(&velocity);
         if event.is_of_jump {
             let equation = self.zero_of(value, (&gradient, in_time));
-            let reset = system.reset(event.contact, &self.at);
+            let reset = system.map(event.contact, &self.at);
             self.at.x = reset.after;
             self.of_state = product(&reset.by_state, &self.of_state)
                 + &reset.by_time * self.of_time.transpose();

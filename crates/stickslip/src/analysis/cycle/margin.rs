@@ -2,7 +2,7 @@
 
 use super::pieces::Piece;
 use super::{Outline, SegmentKind, closeness};
-use crate::dynamics::{Dynamics, Modes, Moment};
+use crate::dynamics::{Dynamics, Modes, Moment, instant};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
@@ -25,6 +25,12 @@ pub(crate) enum MarginKind {
     Duration,
     /// A phase at rest, which a landing begins, is short.
     Rest,
+    /// A comparison on which the jump before a phase hangs is between equal numbers; its number
+    /// among those of the jump.
+    Choice(usize),
+    /// A guard comes to zero within a phase where the condition of its jump does not hold, by a
+    /// comparison that is between equal numbers.
+    Passed(usize),
 }
 
 /// A function that vanishes at a change of the phases and is positive where the orbit has the
@@ -50,6 +56,8 @@ pub(crate) struct Margin {
     pub is_contact_function: bool,
     /// Whether it belongs to the function of a jump.
     pub is_of_jump: bool,
+    /// Whether it is the reaction of a stop.
+    pub is_reaction: bool,
 }
 
 impl Margin {
@@ -80,8 +88,14 @@ pub(super) fn rates(
 }
 
 /// The margins at the events: whether a slip that ends on the boundary sticks there, its speed of
-/// arrival, and the duration of each segment.
-pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piece]) -> Vec<Margin> {
+/// arrival, the comparisons that decide at a jump, and the duration of each segment. `error` is
+/// that of the states.
+pub(super) fn at_events(
+    system: &dyn Dynamics,
+    outline: &Outline,
+    pieces: &[Piece],
+    error: f64,
+) -> Vec<Margin> {
     let mut margins = Vec::new();
     let count = outline.segments.len();
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
@@ -101,6 +115,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
                 at: landed.moment(),
                 is_contact_function: false,
                 is_of_jump: true,
+                is_reaction: false,
             });
         }
         let Some(begin) = before.end else {
@@ -119,6 +134,7 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             at: at.clone(),
             is_contact_function: begin.is_of_contact,
             is_of_jump: begin.is_of_jump,
+            is_reaction: false,
         };
         // Loss or gain of contact changes no mode: the segment continues.
         if let Some(end) = segment.end.filter(|_| count > 1) {
@@ -126,6 +142,37 @@ pub(super) fn at_events(system: &dyn Dynamics, outline: &Outline, pieces: &[Piec
             margins.push(Margin {
                 other,
                 ..margin(MarginKind::Duration, segment.duration, outline.period())
+            });
+        }
+        if begin.is_of_jump {
+            let at = &pieces[(part + count - 1) % count].end;
+            let comparisons = system.decision(begin.contact, at).comparisons.into_iter();
+            for one in comparisons.filter(|one| one.decides) {
+                let sign = if begin.holds(one.number) { 1.0 } else { -1.0 };
+                margins.push(Margin {
+                    at: at.clone(),
+                    error: one.slope * error,
+                    ..margin(MarginKind::Choice(one.number), sign * one.lead, one.size)
+                });
+            }
+        }
+        // A reaction that pulls only behind the kink of an input lifts the body off at that. Of
+        // several events in one instant, another one may decide.
+        let guards = || system.flow(before.mode, at).guards().into_iter();
+        let is_reaction = || guards().any(|one| one.number == begin.guard && one.is_reaction);
+        let lasts = before.duration > instant(at.t);
+        if begin.at_kink.is_some() && lasts && begin.is_of_jump && is_reaction() {
+            let at = &pieces[(part + count - 1) % count].end;
+            let [force, behind] = [at.t - instant(at.t), at.t + instant(at.t)].map(|held| {
+                system
+                    .flow_held(before.mode, at, held)
+                    .guard(begin.guard, at)
+            });
+            let (pull, scale) = (-behind, force.abs() + behind.abs());
+            margins.push(Margin {
+                at: at.clone(),
+                is_reaction: true,
+                ..margin(MarginKind::Arrival, pull, scale)
             });
         }
         if begin.is_of_jump && begin.at_kink.is_none() {

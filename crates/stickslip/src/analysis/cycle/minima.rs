@@ -1,11 +1,13 @@
 //! The smallest values of the guards within the phases of a periodic orbit, and at those ends of a
 //! phase that belong to another contact.
 
+use numerics::bisect;
+
 use super::margin::{Margin, MarginKind, at_events};
 use super::pieces::Piece;
-use super::{Outline, Shooting, closeness};
-use crate::dynamics::{Dynamics, Moment};
-use crate::filippov::Options;
+use super::{Outline, SegmentKind, Shooting, closeness};
+use crate::dynamics::{Dynamics, Guard, Moment};
+use crate::filippov::{Direction, Options};
 
 /// Samples per step among which the minima of a guard are bracketed. Chosen: the guard's rate is
 /// nearly a polynomial of the method's order in a step, and two minima closer than this are rare.
@@ -26,6 +28,47 @@ struct Sample {
     jet: [f64; 4],
 }
 
+/// The samples at which a guard is least, to a tolerance.
+struct Least {
+    /// The first and the last of those that follow each other.
+    samples: [usize; 2],
+    is_at_end: [bool; 2],
+    level: f64,
+}
+
+impl Least {
+    fn of(samples: &[Sample], tolerance: f64) -> Option<Self> {
+        let value = |one: &Sample| one.jet[0];
+        let least = samples
+            .iter()
+            .map(value)
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let level = least.1 + tolerance;
+        let includes = |one: &&Sample| value(one) <= level;
+        let (before, behind) = samples.split_at(least.0);
+        let first = least.0 - before.iter().rev().take_while(includes).count();
+        let last = least.0 + behind.iter().skip(1).take_while(includes).count();
+        Some(Least {
+            samples: [first, last],
+            is_at_end: [first == 0, last + 1 == samples.len()],
+            level,
+        })
+    }
+
+    fn includes(&self, value: f64) -> bool {
+        value <= self.level
+    }
+
+    /// The sample in the middle; `None` where they reach an end at which the guard is zero by the
+    /// event there.
+    fn place(&self, is_zero_at: [bool; 2]) -> Option<usize> {
+        let reaches = |end: usize| self.is_at_end[end] && is_zero_at[end];
+        let [first, last] = self.samples;
+        (!reaches(0) && !reaches(1)).then_some((first + last) / 2)
+    }
+}
+
 impl Shooting<'_> {
     /// The margins of the orbit to each change of its phases.
     /// `error` is that of its states.
@@ -35,7 +78,7 @@ impl Shooting<'_> {
             self.refine(outline, pieces, margin);
             margin.error *= error;
         }
-        margins.extend(at_events(self.system, outline, pieces));
+        margins.extend(at_events(self.system, outline, pieces, error));
         margins
     }
 
@@ -76,7 +119,10 @@ fn minima(
     for (part, (segment, piece)) in outline.segments.iter().zip(pieces).enumerate() {
         let flow = system.flow(segment.mode, &segment.inside);
         let neighbours = [outline.before(part), &outline.segments[(part + 1) % count]];
-        let ends = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        let mut ends = [neighbours[0].end, segment.end].map(|end| Some(end?.contact));
+        if let SegmentKind::Chatter { landing, .. } = segment.kind {
+            ends[0] = Some(landing);
+        }
         let length = |step: usize| piece.steps[step].0.t_end - piece.steps[step].0.t_start;
         // Where an input kinks, a guard may jump: its values before that are those of the step. A
         // step that ends there by rounding has none.
@@ -94,7 +140,17 @@ fn minima(
             let t = step.t_start + s * (step.t_end - step.t_start);
             Moment { t, x: solution(t) }
         };
-        for guard in flow.guards().into_iter().filter(|guard| guard.is_watched) {
+        let is_conditional = |guard: &Guard| {
+            let decision = || system.decision(guard.contact, &piece.begin);
+            guard.is_of_jump
+                && !guard.is_watched
+                && decision().comparisons.iter().any(|one| one.is_of_condition)
+        };
+        for guard in flow.guards() {
+            let is_conditional = is_conditional(&guard);
+            if !guard.is_watched && !is_conditional {
+                continue;
+            }
             let (number, contact) = (guard.number, guard.contact);
             let jet = |step, s| flow.guard_jet(number, &moment(step, s));
             let sample = |(step, s)| Sample {
@@ -145,10 +201,12 @@ fn minima(
             };
             let last = samples.len() - 1;
             let mut places = Vec::new();
-            // A jump occurs at a zero of its function only after this was positive in the phase.
+            // A jump occurs at a zero of its function only after this was positive in the phase. A
+            // state at which a gap or a reaction is below zero is none of the system.
             let positive = samples.iter().position(|one| one.jet[0] > 0.0);
+            let occurs_at_once = !guard.is_of_jump || guard.is_condition;
             let may_vanish =
-                |by: usize| !guard.is_of_jump || positive.is_some_and(|first| first <= by);
+                |by: usize| occurs_at_once || positive.is_some_and(|first| first <= by);
             // Where another contact switches, the rate may jump. A guard that this switch releases
             // leaves zero there, or comes to it.
             let by_other = |k: usize| {
@@ -208,7 +266,68 @@ fn minima(
                     places.push((minimum, None, (b.step, s)));
                 }
             }
-            for (kind, other, (step, s)) in places {
+            let is_own_zero = [leaves_zero, own.is_some_and(|end| end.at_kink.is_none())];
+            // A constant has no minimum, but a least value. Its size may be that of its terms.
+            let plateau = guard.is_condition.then(|| {
+                let at = moment(begin.step, begin.s);
+                let (by_state, _) = flow.guard_gradient(number, &at);
+                let scale = scale.max(by_state.abs().dot(&at.x.abs()));
+                let least = Least::of(&samples, closeness(options) * scale)?;
+                let is_marked = places
+                    .iter()
+                    .any(|&(_, _, (step, s))| least.includes(flow.guard(number, &moment(step, s))));
+                let place = least.place(is_own_zero).filter(|_| !is_marked)?;
+                let at = (samples[place].step, samples[place].s);
+                Some(((minimum, None, at), scale))
+            });
+            // A zero at which its condition does not hold is none.
+            places.retain(|(.., (step, s))| {
+                !is_conditional || system.decision(contact, &moment(*step, *s)).happens
+            });
+            if is_conditional {
+                let both = system.map(contact, &piece.begin).direction == Direction::Both;
+                let passes = |a: f64, b: f64| a > 0.0 && b <= 0.0 || both && a < 0.0 && b >= 0.0;
+                let at = |(a, b): (&Sample, &Sample)| {
+                    let is_below = |s: f64| (jet(b.step, s)[0] <= 0.0) == (b.jet[0] <= 0.0);
+                    let s = match is_kink(a, b) {
+                        true => 0.0,
+                        false => bisect(between(a, b).0, b.s, is_below),
+                    };
+                    moment(b.step, s)
+                };
+                // The last zero may be the event that ends the phase.
+                let inner = last + usize::from(ends[1] != Some(contact));
+                let pairs = samples[..inner].iter().zip(&samples[1..inner]);
+                let within = pairs.filter(|(a, b)| passes(a.jet[0], b.jet[0])).map(at);
+                // It may pass through zero in the event before the phase.
+                let earlier = &pieces[(part + count - 1) % count].end;
+                let at_begin = passes(flow.guard(number, earlier), begin.jet[0]) && !leaves_zero;
+                let at_begin = at_begin.then(|| moment(begin.step, begin.s));
+                let passed = at_begin.into_iter().chain(within).filter_map(|at| {
+                    let decision = system.decision(contact, &at);
+                    let all = decision.comparisons.into_iter();
+                    let deciding = all.filter(|one| one.is_of_condition && one.decides);
+                    let least = deciding.min_by(|a, b| a.lead.abs().total_cmp(&b.lead.abs()))?;
+                    let sign = if decision.happens { -1.0 } else { 1.0 };
+                    Some(Margin {
+                        part,
+                        kind: MarginKind::Passed(number),
+                        value: sign * least.lead.abs(),
+                        scale: least.size,
+                        error: least.slope,
+                        incoming: segment.mode,
+                        contact,
+                        other: None,
+                        at,
+                        is_contact_function: false,
+                        is_of_jump: true,
+                        is_reaction: false,
+                    })
+                });
+                margins.extend(passed);
+            }
+            let places = places.into_iter().map(|place| (place, scale));
+            for ((kind, other, (step, s)), scale) in places.chain(plateau.flatten()) {
                 let at = moment(step, s);
                 let (by_state, _) = flow.guard_gradient(number, &at);
                 margins.push(Margin {
@@ -223,6 +342,7 @@ fn minima(
                     at,
                     is_contact_function: guard.goes_on,
                     is_of_jump: guard.is_of_jump,
+                    is_reaction: guard.is_reaction,
                 });
             }
         }

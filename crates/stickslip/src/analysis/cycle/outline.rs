@@ -2,7 +2,9 @@
 
 use super::super::instant::{Cause, LastEvent, guard_of, is_of_contact};
 use super::{ULPS, unit};
-use crate::dynamics::{Dynamics, Modes, Moment, RecordedOrbit, Sampling, Transition, Vector};
+use crate::dynamics::{
+    Comparison, Dynamics, Modes, Moment, RecordedOrbit, Sampling, Transition, Vector,
+};
 use crate::error::Error;
 use crate::filippov::{Options, TransitionKind};
 use crate::system::Mode;
@@ -22,6 +24,8 @@ pub(crate) struct SegmentEnd {
     /// The input and the reading of its clock, where the kink of an input decides the time of the
     /// event: as where a force that switches releases a contact.
     pub at_kink: Option<(usize, f64)>,
+    /// The comparisons on which a jump hangs: bit `k` is set where number `k` holds.
+    pub choices: u64,
 }
 
 impl SegmentEnd {
@@ -35,8 +39,30 @@ impl SegmentEnd {
             is_of_contact: is_of_contact(at.kind),
             is_of_jump: at.kind == TransitionKind::Jump,
             at_kink: kink.map(|input| (input, system.clock(input, &here).0)),
+            choices: match at.kind {
+                TransitionKind::Jump => choices(&system.decision(at.contact, &here).comparisons),
+                _ => 0,
+            },
         }
     }
+
+    /// Whether a comparison holds in the choices of the event; those beyond the last bit do not.
+    pub fn holds(&self, comparison: usize) -> bool {
+        bit(comparison) & self.choices != 0
+    }
+}
+
+fn bit(comparison: usize) -> u64 {
+    u32::try_from(comparison)
+        .ok()
+        .and_then(|place| 1_u64.checked_shl(place))
+        .unwrap_or(0)
+}
+
+/// The comparisons that hold, as bits.
+fn choices(comparisons: &[Comparison]) -> u64 {
+    let hold = comparisons.iter().filter(|one| one.lead > 0.0);
+    hold.fold(0, |bits, one| bits | bit(one.number))
 }
 
 /// The state after a transition.

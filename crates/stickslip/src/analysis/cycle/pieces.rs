@@ -1,6 +1,6 @@
 //! Integrated segments, and the derivatives of the flow over them.
 
-use super::{Segment, SegmentKind, Shooting, StepBudget};
+use super::{Outline, Segment, SegmentKind, Shooting, StepBudget};
 use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
 use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Transition, Vector};
@@ -132,6 +132,31 @@ impl Shooting<'_> {
         })
     }
 
+    /// The first segment of an outline whose impacts do not accumulate before it ends.
+    pub(in crate::analysis) fn never_landing(&self, outline: &Outline) -> Option<usize> {
+        let states = &outline.cut.as_ref()?.states;
+        let mut t = outline.begin.t;
+        for (number, segment) in outline.segments.iter().enumerate() {
+            let (begin, end) = (t, t + segment.duration);
+            t = end;
+            let SegmentKind::Chatter { impact, landing } = segment.kind else {
+                continue;
+            };
+            let x = number
+                .checked_sub(1)
+                .and_then(|before| states.get(before))?;
+            let begin = Moment {
+                t: begin,
+                x: x.clone(),
+            };
+            let run = self.run_to_rest((impact, landing), begin, end, self.options);
+            if run?.phase == 0 {
+                return Some(number);
+            }
+        }
+        None
+    }
+
     /// The run of the system to a landing, or to a time before it.
     fn run_to_rest(
         &self,
@@ -173,11 +198,10 @@ impl Shooting<'_> {
                         break;
                     }
                 }
-                OrbitProgress::PhaseEnd(_) => {}
+                // The steps carry the effect of a kink.
+                OrbitProgress::PhaseEnd(_) | OrbitProgress::Kink(_) => {}
                 OrbitProgress::End(summary) if summary.ending == Ending::EndTime => break,
-                OrbitProgress::End(_) | OrbitProgress::Kink(_) | OrbitProgress::Passage(_) => {
-                    return None;
-                }
+                OrbitProgress::End(_) | OrbitProgress::Passage(_) => return None,
             }
         }
         piece.end = run.now();

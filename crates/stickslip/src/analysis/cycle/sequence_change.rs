@@ -41,6 +41,12 @@ pub enum SequenceBifurcation {
     /// does not jump. On the other it does, with a derivative that grows without bound towards the
     /// graze.
     JumpGrazing,
+    /// The reaction of a stop comes to zero. On one side of the change the stop carries; on the
+    /// other the body lifts off, for a short time or, where the reaction is constant, for good.
+    LiftOff,
+    /// A comparison in the condition of a jump, or in a choice of what it sets, is between equal
+    /// numbers. On one side of the change it holds; on the other it does not.
+    Choice,
 }
 
 impl fmt::Display for SequenceBifurcation {
@@ -54,6 +60,8 @@ impl fmt::Display for SequenceBifurcation {
             SequenceBifurcation::ContactGrazing => "grazing of the contact function",
             SequenceBifurcation::Coincidence => "coincidence",
             SequenceBifurcation::JumpGrazing => "grazing of a jump",
+            SequenceBifurcation::LiftOff => "lift-off",
+            SequenceBifurcation::Choice => "equality in a condition",
         })
     }
 }
@@ -108,6 +116,12 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, [[f64; 
     if margin.other.is_some() {
         return (SequenceBifurcation::Coincidence, none);
     }
+    if let MarginKind::Choice(_) | MarginKind::Passed(_) = margin.kind {
+        return (SequenceBifurcation::Choice, none);
+    }
+    if margin.is_reaction {
+        return (SequenceBifurcation::LiftOff, none);
+    }
     if margin.is_of_jump {
         return (SequenceBifurcation::JumpGrazing, none);
     }
@@ -121,7 +135,10 @@ fn name(system: &dyn Dynamics, margin: &Margin) -> (SequenceBifurcation, [[f64; 
     let rates = rates(system, slip, &margin.at);
     let [[own, _], [other, second]] = rates;
     let is_tangent = match margin.kind {
-        MarginKind::Minimum(_) | MarginKind::Arrival => true,
+        MarginKind::Minimum(_)
+        | MarginKind::Arrival
+        | MarginKind::Choice(_)
+        | MarginKind::Passed(_) => true,
         // Where the fields agree, both are tangent. Those at ends of phases are coincidences.
         MarginKind::Landing
         | MarginKind::Duration

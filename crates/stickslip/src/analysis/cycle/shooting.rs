@@ -300,7 +300,7 @@ impl<'a> Shooting<'a> {
             }
             at = self.piece(segment, at, segment.duration, options)?.end;
             if let Some(end) = segment.end.filter(|end| end.is_of_jump) {
-                at.x = self.system.reset(end.contact, &at).after;
+                at.x = self.system.map(end.contact, &at).after;
             }
         }
         states.push(middle);
