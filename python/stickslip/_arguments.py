@@ -155,6 +155,16 @@ def array(values: ArrayLike, name: str, dimensions: int = 1) -> Floats:
     return copy
 
 
+def few(values: Any) -> list[float] | None:
+    """The values of a list or tuple of finite Python numbers. `array` takes all others, and longer
+    than these few take."""
+    if type(values) not in (list, tuple):
+        return None
+    if not all(type(one) is float or type(one) is int and abs(one) < 2**53 for one in values):
+        return None
+    return [float(one) for one in values] if all(map(math.isfinite, values)) else None
+
+
 def nonempty_array(values: ArrayLike, name: str, example: str) -> Floats:
     """A sequence of numbers that is not empty."""
     found = array(values, name)
@@ -195,6 +205,9 @@ def state(system: System, y0: ArrayLike | Mapping[Any, Any] | None) -> list[floa
         if system.start is None:
             raise ValueError(f"the system has no start: give y0, the states {', '.join(names)}")
         return list(system.start)
+    plain = few(y0)
+    if plain is not None and len(plain) == len(names):
+        return plain
     y0 = by_name(y0, "index", "y0")
     if isinstance(y0, Mapping):
         starts = zip(names, system._core.starts)

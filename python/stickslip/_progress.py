@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 Report = Callable[[float], None]
@@ -46,21 +46,24 @@ class _Bar:
         self._bar.close()
 
 
-@contextmanager
 def progress_report(
     progress: bool,
     what: str,
     unit: str,
     total: int | None = None,
     span: tuple[float, float] | None = None,
-) -> Iterator[Report | None]:
+) -> AbstractContextManager[Report | None]:
     """The callback with which the engine reports its progress, or None.
 
     With a `span` of time the bar shows percent; otherwise it counts to `total`.
     """
-    if not progress:
-        yield None
-        return
+    return _shown(what, unit, total, span) if progress else nullcontext()
+
+
+@contextmanager
+def _shown(
+    what: str, unit: str, total: int | None, span: tuple[float, float] | None
+) -> Iterator[Report]:
     if span is not None:
         total, unit = 100, "%"
     bar: Any

@@ -19,6 +19,7 @@ from ._arguments import (
     array,
     as_array,
     checked,
+    few,
     settings,
     start,
 )
@@ -264,6 +265,14 @@ class Solution(Result):
     _acting: tuple[str, ...] = ()
     _columns_of_tables: Any = None
 
+    @classmethod
+    def _of(cls, **fields: Any) -> Solution:
+        """A solution with these fields; the others have their defaults. A frozen class sets each
+        field by a call of its own, and all of them take as long as a short run."""
+        made = object.__new__(cls)
+        made.__dict__.update(fields)
+        return made
+
     def __post_init__(self) -> None:
         for table in _TABLES:
             if self.__dict__[table] is None:
@@ -387,10 +396,11 @@ def variables(derivatives: Any) -> list[str]:
 
 def _span(t_span: tuple[float, float]) -> tuple[float, float]:
     """Start time and end time of a run, which differ."""
-    ends = array(t_span, "t_span")
+    plain = few(t_span)
+    ends = array(t_span, "t_span").tolist() if plain is None else plain
     if len(ends) != 2:
         raise ValueError(f"t_span has {len(ends)} values: it must be two, from and to")
-    t0, t_end = (float(one) for one in ends)
+    t0, t_end = ends
     if t0 == t_end:
         raise out_of_bounds("t_span[1]", t_end, f"other than t_span[0] = {readable(t0)}")
     return t0, t_end
@@ -572,8 +582,8 @@ def solve_ivp(
     between = DenseOutput((system, begin, t_end, made, memory), last, dense, is_reversed)
     found["_memory"] = found.pop("memory")
     return make_result(
-        {**found, **dict.fromkeys(_TABLES)},
-        Solution,
+        found,
+        Solution._of,
         _columns_of_tables=columns,
         sol=between if dense_output else None,
         _between=between if times is None else None,

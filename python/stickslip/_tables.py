@@ -125,7 +125,10 @@ def structured(
         words = values[0] if isinstance(values, tuple) else values
         if isinstance(words, list):
             types.append((name, f"U{max(map(len, words), default=0) or 1}"))
-            flat += [np.array(words)[values[1]] if isinstance(values, tuple) and count else words]
+            # A single text fills the whole column.
+            is_one = isinstance(values, tuple) and len(words) == 1
+            is_indexed = isinstance(values, tuple) and count and not is_one
+            flat += [words[0] if is_one else np.array(words)[values[1]] if is_indexed else words]
         elif values.ndim == 1:
             types.append((name, values.dtype.str))
             flat.append(values)

@@ -87,6 +87,7 @@ impl Case {
             "levels" => Case::oscillator("x"),
             "beyond" => Case::oscillator("x + 3"),
             "products" => Case::oscillator("2*x*v"),
+            "far products" => Case::oscillator("2*x*v + 3"),
             "impact" => Case::new(IMPACT, &[], [0.0, 0.0], 2000.0),
             "buck" => Case::new(BUCK, &[], [12.0, 0.55], 400.0),
             name => panic!("no case {name}"),
@@ -139,7 +140,10 @@ fn main() {
         return;
     }
     for (name, method) in methods {
-        let names = ["none", "levels", "beyond", "products", "impact", "buck"];
+        let events = ["levels", "beyond", "products", "far products"];
+        let names = [
+            "none", events[0], events[1], events[2], events[3], "impact", "buck",
+        ];
         let cases = names.map(Case::named);
         let options = options(method);
         let mut rounds = names.map(|_| Vec::new());
@@ -153,11 +157,11 @@ fn main() {
             times[TURNS / 2]
         });
         println!("{name}: oscillator {:.1} us", 1e6 * times[0]);
-        for number in 1..4 {
+        for number in 1..5 {
             let ratio = times[number] / times[0];
             println!("{name}: 16 events {} over none {ratio:.2}", names[number]);
         }
-        for number in 4..6 {
+        for number in 5..7 {
             let (events, _) = cases[number].run(&options);
             let each = 1e6 * times[number] / f64::from(events);
             println!("{name}: {} {each:.2} us an event", names[number]);

@@ -118,9 +118,11 @@ fn watched(
 ) -> Option<Result<Summary, Error>> {
     let decision = match progress {
         Ok(OrbitProgress::End(summary)) => return Some(Ok(summary)),
-        Ok(OrbitProgress::Transition(at)) => Ok(changes(at)
-            .into_iter()
-            .try_for_each(|at| watcher(OrbitProgress::Transition(at), orbit))),
+        Ok(OrbitProgress::Transition(at)) => {
+            let others = other_changes(&at);
+            let mut all = std::iter::once(at).chain(others);
+            Ok(all.try_for_each(|at| watcher(OrbitProgress::Transition(at), orbit)))
+        }
         Ok(progress) => Ok(watcher(progress, orbit)),
         Err(error) => Err(error),
     };
@@ -144,8 +146,8 @@ fn watched(
     Some(ended)
 }
 
-/// A transition, and the change of each other contact whose mode changes at the same instant.
-fn changes(at: Transition) -> Vec<Transition> {
+/// The change of each other contact whose mode changes at the instant of a transition.
+fn other_changes(at: &Transition) -> Vec<Transition> {
     let modes = at.from.iter().zip(at.to.iter()).enumerate();
     let others = modes.filter(|(contact, (from, to))| *contact != at.contact && from != to);
     let of = |(contact, (from, to))| Transition {
@@ -153,6 +155,5 @@ fn changes(at: Transition) -> Vec<Transition> {
         contact,
         ..at.clone()
     };
-    let others: Vec<Transition> = others.map(of).collect();
-    std::iter::once(at).chain(others).collect()
+    others.map(of).collect()
 }

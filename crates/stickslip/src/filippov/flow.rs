@@ -287,6 +287,11 @@ impl<F: Flow<N> + ?Sized, const L: usize, const N: usize, const G: usize> Functi
     }
 
     #[inline(always)]
+    fn at_held<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {
+        self.flow.field_and_guards(t, x)
+    }
+
+    #[inline(always)]
     fn dimension(&self) -> usize {
         self.flow.dimension()
     }

@@ -369,8 +369,12 @@ impl<'a, S: Switched<N, G>, const N: usize, const G: usize> Integration<'a, S, N
     /// whether it is one.
     #[cold]
     fn leave_by_root(&mut self) -> Result<bool, Error> {
+        let mut is_root = false;
         for guard in (0..G).filter(|&guard| self.run.orders[guard] != 0) {
-            self.onto_root(guard)?;
+            is_root |= self.onto_root(guard)?.is_some();
+        }
+        if !is_root {
+            return Ok(false);
         }
         let Trial::Step = self.work(Work::Leave)? else {
             return Ok(false);

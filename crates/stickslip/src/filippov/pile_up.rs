@@ -306,13 +306,14 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             extent,
         };
         self.count += 1;
-        let [later, earlier] = self.halves();
         self.has_moved |= extent > RESOLVED_MOTION;
         // What was never resolved may as well go on at its size: errors of steps hide the
         // difference.
-        let shrinks =
-            self.has_moved && (later.extent < earlier.extent || later.extent <= SHRUNK_MOTION);
-        if extent <= RESOLVED_MOTION && shrinks {
+        let shrinks = || {
+            let [later, earlier] = self.halves();
+            later.extent < earlier.extent || later.extent <= SHRUNK_MOTION
+        };
+        if extent <= RESOLVED_MOTION && self.has_moved && shrinks() {
             self.unresolved += 1;
             self.is_driven |= is_driven();
         } else {
@@ -343,6 +344,9 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
     /// will, or as fast as rounding allows. A fast clock is no pile-up, nor is one that runs faster
     /// for a while. The motion shrinks at least as the root of the time, or it does not accumulate.
     fn bursts(&self, options: &Options) -> bool {
+        if self.burst.count < options.pile_up_count {
+            return false;
+        }
         let [later, earlier] = self.halves();
         let t = self.nth_last(0).at.t;
         let left = later.duration * later.duration / (earlier.duration - later.duration);
@@ -351,7 +355,7 @@ impl<const N: usize, K: Copy + PartialEq> PileUpDetector<N, K> {
             && (later.extent <= UNCERTAIN_MOTION
                 || ratio * ratio <= later.duration / earlier.duration);
         let by_rounding = (self.recorded().saturating_sub(1) / 2) as f64 * time_rounding(t);
-        self.burst.count >= options.pile_up_count && (accumulates || later.duration <= by_rounding)
+        accumulates || later.duration <= by_rounding
     }
 
     /// Whether the orbit approaches a point in infinite time: the motion shrinks below what is

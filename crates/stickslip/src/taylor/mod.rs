@@ -17,11 +17,12 @@ mod functions;
 pub(crate) mod jet;
 mod recorded;
 pub(crate) mod recorded_calls;
+pub(crate) mod recorded_functions;
 mod recording;
 pub(crate) mod roots;
 pub(crate) mod row;
 pub(crate) mod series;
-mod steps;
+pub(crate) mod steps;
 pub(crate) mod sweep;
 #[cfg(test)]
 mod tests;

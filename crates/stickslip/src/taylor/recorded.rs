@@ -1,7 +1,7 @@
 //! A number whose operations are recorded; see [`super::recording`]. It has one lane; the recording
 //! can be repeated in several.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::functions::Flat;
@@ -16,6 +16,8 @@ use crate::scalar::Scalar;
 pub(super) struct Recorder<'a> {
     pub(super) sweep: Sweep<'a, 1>,
     recording: RefCell<Recording>,
+    /// Whether the recording holds for these values of the held components alone.
+    pub(super) reads_held: Cell<bool>,
 }
 
 impl<'a> Recorder<'a> {
@@ -24,7 +26,18 @@ impl<'a> Recorder<'a> {
     pub(super) fn new(rows: CoefficientRows<'a, 1>, (t, h): (Lanes<1>, Lanes<1>)) -> Self {
         let sweep = Sweep::new(rows, 0);
         let recording = RefCell::new(Recording::begin(sweep.time(t, h)));
-        Recorder { sweep, recording }
+        Recorder {
+            sweep,
+            recording,
+            reads_held: Cell::new(false),
+        }
+    }
+
+    /// A component of the state that is constant along a solution.
+    pub(super) fn held(&'a self, value: f64) -> Recorded<'a> {
+        let number = Jet::constant(value);
+        let location = self.recording.borrow_mut().hold(number);
+        self.at(location, number)
     }
 
     /// The number that the sweep has at a location.
@@ -64,10 +77,16 @@ impl<'a> Recorder<'a> {
     ) -> Recorded<'a> {
         let instruction = self.instruction(operation, of, constant);
         let mut recording = self.recording.borrow_mut();
-        let numbers = of.map(|number| number.number);
+        let of_held = of.iter().any(|number| number.is_held());
+        let numbers = (of.map(|number| number.number), of_held);
         let (number, location) = recording.record(instruction, numbers, &self.sweep);
         let location = location.map(|location| (location, self));
         Recorded { number, location }
+    }
+
+    /// Number of conditions so far.
+    pub(super) fn checks(&self) -> usize {
+        self.recording.borrow().checks()
     }
 
     /// The recording.
@@ -90,6 +109,22 @@ impl<'a> Recorded<'a> {
     fn constant_of(number: Jet<'a, 1>) -> Self {
         let location = None;
         Recorded { number, location }
+    }
+
+    /// Whether the number is constant along a solution and follows from held components.
+    #[inline(always)]
+    fn is_held(self) -> bool {
+        self.location.is_some() && self.number.sweep().is_none()
+    }
+
+    /// Notes that the operations that follow depend on the value.
+    #[inline(always)]
+    fn note_read(self) {
+        if let Some((_, recorder)) = self.location
+            && self.is_held()
+        {
+            recorder.reads_held.set(true);
+        }
     }
 
     /// The recorder of either number, unless both are constant.
@@ -187,6 +222,7 @@ impl Scalar for Recorded<'_> {
     }
     #[inline(always)]
     fn value(self) -> f64 {
+        self.note_read();
         self.number.value()
     }
     #[inline(always)]
@@ -208,6 +244,7 @@ impl Scalar for Recorded<'_> {
     #[inline(always)]
     fn divided_or(self, by: Self, otherwise: f64) -> Self {
         if by.number.is_zero() {
+            by.note_read();
             return Self::constant(otherwise);
         }
         by.check(Operation::IsNotZero, by);
@@ -221,7 +258,10 @@ impl Scalar for Recorded<'_> {
                 Location::InRow(row + 1),
                 recorder.sweep.stored_number(row as usize + 1),
             ),
-            _ => Recorded::constant_of(self.number.cos()),
+            _ => {
+                self.note_read();
+                Recorded::constant_of(self.number.cos())
+            }
         };
         (sine, cosine)
     }

@@ -31,9 +31,11 @@ struct RecordedCall<const N: usize, const W: usize> {
     recording: Recording,
     /// Steps for the orders above 0.
     steps: Steps,
-    /// The state at the call, and how many of its components move. The others are constants in it.
+    /// The state at the call, and how many of its components move. The others are held.
     x: [f64; N],
     dimension: usize,
+    /// Whether it serves only states with the same held components.
+    reads_held: bool,
     /// Whether the recording can be repeated: no value was read.
     is_complete: bool,
     field: [Location; N],
@@ -84,7 +86,7 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
             let sweep = sweep_of_state(into, x);
             let agrees = call
                 .recording
-                .repeat_first(linear_numbers, sweep.time(t, h), &sweep);
+                .repeat_first(linear_numbers, (sweep.time(t, h), x), &sweep);
             let expansion = call.expansion_by(&sweep);
             if !agrees || expansion.lanes_differ || expansion.value_read || expansion.overflowed {
                 continue;
@@ -127,8 +129,8 @@ impl<const N: usize, const W: usize> RecordedCalls<N, W> {
                 return Err(call.room);
             }
             let sweep = sweep_of_state(into, x);
-            let time = sweep.time(t, h);
-            if !call.recording.repeat_first_alone(time, &sweep) {
+            let at = (sweep.time(t, h), &x[..]);
+            if !call.recording.repeat_first_alone(at, &sweep) {
                 continue;
             }
             let higher = call.higher_orders(call.recording.alone(), into, (h, 0));
@@ -181,9 +183,13 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         let time = recorder.at(Location::Linear(0), sweep.time(t, h));
         let mut state = [time; N];
         for (i, (number, newest)) in state.iter_mut().zip(*x).enumerate() {
-            *number = recorder.at(Location::InRow(i as u32), sweep.state(newest));
+            let moving = recorder.at(Location::InRow(i as u32), sweep.state(newest));
+            *number = match i < functions.dimension() {
+                true => moving,
+                false => recorder.held(newest[0]),
+            };
         }
-        let (field, watched) = functions.at(time, &state);
+        let (field, watched) = functions.at_held(time, &state);
         let taken = sweep.next_row();
         let field = field.map(|number| recorder.location(number));
         let locations = watched.map(|number| recorder.location(number));
@@ -195,13 +201,15 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         let room = rows + sweep.choices.get();
         let expansion = outcome(sweep, watched, into.all.len())?;
         let is_complete = !sweep.value_read.get();
+        let reads_held = recorder.reads_held.get();
         let recording = recorder.end();
         let wanted = field.into_iter().chain(locations);
         Ok(RecordedCall {
             steps: Steps::of(&recording, wanted, rows),
             recording,
             x: x.map(|[x]| x),
-            dimension: functions.dimension(),
+            dimension: functions.dimension().min(N),
+            reads_held,
             is_complete,
             field,
             watched: locations,
@@ -212,10 +220,10 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
         })
     }
 
-    /// Whether it can be repeated at a state, which has the same constants in all lanes.
+    /// Whether it can be repeated at a state, which has the same held components in all lanes.
     fn serves<const L: usize>(&self, x: &[Lanes<L>; N]) -> bool {
-        let mut constants = self.dimension..N;
-        self.is_complete && constants.all(|i| x[i][0] == self.x[i])
+        let mut held = self.dimension..N;
+        self.is_complete && (!self.reads_held || held.all(|i| x[i][0] == self.x[i]))
     }
 
     /// The expansion with the flags of a sweep of order 0.
@@ -245,7 +253,8 @@ impl<const N: usize, const W: usize> RecordedCall<N, W> {
             into,
             h,
             order,
-            field: &self.field,
+            field: &self.field[..self.dimension],
+            held: N - self.dimension,
             watched,
             taken: self.taken,
         }
@@ -260,7 +269,9 @@ struct HigherOrders<'a, const L: usize> {
     into: CoefficientRows<'a, L>,
     h: Lanes<L>,
     order: usize,
+    /// The rates of the components that move, and the number of those that are held.
     field: &'a [Location],
+    held: usize,
     /// The watched functions, if one of them is linear in time.
     watched: &'a [Location],
     /// Number of rows taken at the end of the functions.
@@ -276,6 +287,9 @@ impl<const L: usize> HigherOrders<'_, L> {
             for (location, row) in self.field.iter().zip(rows) {
                 let slope = self.replay.coefficient(*location, k - 1, rows);
                 row.set(k, lanes(|l| slope[l] * (self.h[l] * per_order)));
+            }
+            for row in rows.iter().skip(self.field.len()).take(self.held) {
+                row.set(k, [0.0; L]);
             }
             self.steps.repeat(&self.replay, self.into, k);
             if !self.watched.is_empty() {

@@ -102,8 +102,12 @@ pub(super) struct Recording {
     pub(super) instructions: Vec<RecordedInstruction>,
     /// Index into `instructions` for every instruction that has a result.
     results: BTreeMap<Instruction, usize>,
-    /// Time is the first entry.
+    /// Time is the first entry, the held components of the state follow.
     pub(super) linear_numbers: Vec<LinearNumber<1>>,
+    /// Indices of the linear numbers that are constants of the functions.
+    constants: Vec<usize>,
+    /// Number of held components.
+    held: usize,
 }
 
 /// A recording as it is repeated in `L` lanes, with its linear numbers there.
@@ -186,14 +190,22 @@ impl Recording {
         }
     }
 
+    /// The location of a further held component of the state: it is constant along a solution, and
+    /// each repetition has its own. Before the first operation.
+    pub(super) fn hold(&mut self, number: Jet<'_, 1>) -> Location {
+        self.held += 1;
+        Location::Linear(self.push(LinearNumber::of(number)) as u32)
+    }
+
     /// The location of a constant, which is added to the linear numbers unless it is there already.
     pub(super) fn constant(&mut self, number: Jet<'_, 1>) -> Location {
         let linear = LinearNumber::of(number);
-        let known = self
-            .linear_numbers
-            .iter()
-            .position(|known| *known == linear);
-        let location = known.unwrap_or_else(|| self.push(linear));
+        let mut known = self.constants.iter().copied();
+        let known = known.find(|&known| self.linear_numbers[known] == linear);
+        let location = known.unwrap_or_else(|| {
+            self.constants.push(self.linear_numbers.len());
+            self.push(linear)
+        });
         Location::Linear(location as u32)
     }
 
@@ -203,11 +215,12 @@ impl Recording {
     }
 
     /// Performs an operation and records it; returns its result and the location of that, unless it
-    /// is constant. The result of an operation recorded before is reused.
+    /// is constant. A constant that follows from held numbers has a location, too. The result of an
+    /// operation recorded before is reused.
     pub(super) fn record<'a>(
         &mut self,
         instruction: Instruction,
-        [a, b]: [Jet<'a, 1>; 2],
+        ([a, b], of_held): ([Jet<'a, 1>; 2], bool),
         sweep: &'a Sweep<'a, 1>,
     ) -> (Jet<'a, 1>, Option<Location>) {
         if let Some(&known) = self.results.get(&instruction)
@@ -225,6 +238,9 @@ impl Recording {
         let location = match number {
             Jet::Series(series) => Location::InRow(series.row as u32),
             Jet::Linear(LinearJet { sweep: Some(_), .. }) => {
+                Location::Linear(self.push(LinearNumber::of(number)) as u32)
+            }
+            Jet::Linear(_) if of_held => {
                 Location::Linear(self.push(LinearNumber::of(number)) as u32)
             }
             Jet::Zero | Jet::One | Jet::Linear(_) => return (number, None),
@@ -254,6 +270,12 @@ impl Recording {
         });
     }
 
+    /// Number of conditions.
+    pub(super) fn checks(&self) -> usize {
+        let conditions = self.instructions.iter();
+        conditions.filter(|one| one.result.is_none()).count()
+    }
+
     /// The linear numbers in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the
     /// others.
     pub(super) fn spread<const L: usize>(&self, linear_numbers: &mut Vec<LinearNumber<L>>) {
@@ -265,16 +287,20 @@ impl Recording {
         }));
     }
 
-    /// Repeats order 0 at another time and state. Returns whether all comparisons gave the recorded
-    /// results. Not inlined: all operations are in it.
+    /// Repeats order 0 at another time and state, whose last components are held. Returns whether
+    /// all comparisons gave the recorded results. Not inlined: all operations are in it.
     #[inline(never)]
     pub(super) fn repeat_first<'a, const L: usize>(
         &self,
         linear_numbers: &mut [LinearNumber<L>],
-        time: Jet<'_, L>,
+        (time, x): (Jet<'_, L>, &[Lanes<L>]),
         sweep: &'a Sweep<'a, L>,
     ) -> bool {
         linear_numbers[0] = LinearNumber::of(time);
+        let held = &x[x.len() - self.held..];
+        for (linear, &value) in linear_numbers[1..].iter_mut().zip(held) {
+            linear.value = value;
+        }
         for recorded in &self.instructions {
             let RecordedInstruction {
                 instruction,
@@ -310,11 +336,11 @@ impl Recording {
     /// Repetition in one lane, with the recording's own linear numbers.
     pub(super) fn repeat_first_alone<'a>(
         &mut self,
-        time: Jet<'_, 1>,
+        at: (Jet<'_, 1>, &[Lanes<1>]),
         sweep: &'a Sweep<'a, 1>,
     ) -> bool {
         let mut linear_numbers = std::mem::take(&mut self.linear_numbers);
-        let agrees = self.repeat_first(&mut linear_numbers, time, sweep);
+        let agrees = self.repeat_first(&mut linear_numbers, at, sweep);
         self.linear_numbers = linear_numbers;
         agrees
     }

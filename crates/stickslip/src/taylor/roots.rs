@@ -80,7 +80,7 @@ const BERNSTEIN: [[f64; FOLDED_DEGREE]; FOLDED_DEGREE + 1] = {
 /// Whether a polynomial of lower degree that bounds `Σ c_k s^k` from below has positive Bernstein
 /// coefficients. On `[0, 1]` no power exceeds a lower power.
 #[inline(always)]
-fn is_positive_folded(c: &[f64; MAX_COEFFICIENTS]) -> bool {
+pub(crate) fn is_positive_folded(c: &[f64; MAX_COEFFICIENTS]) -> bool {
     let mut beyond = [0.0; FOLDED_DEGREE];
     const { assert!((MAX_COEFFICIENTS - FOLDED_DEGREE - 1).is_multiple_of(FOLDED_DEGREE)) };
     for c in c[FOLDED_DEGREE + 1..].chunks_exact(FOLDED_DEGREE) {
@@ -169,16 +169,29 @@ fn bernstein(c: &[f64]) -> [f64; MAX_COEFFICIENTS] {
 /// number is [`MAX_COEFFICIENTS`] where rounding finds more than there can be.
 pub(crate) fn turning_points(c: &[f64]) -> ([f64; MAX_COEFFICIENTS], usize) {
     let mut places = ([0.0; MAX_COEFFICIENTS], 0);
-    let mut slope = [0.0; MAX_COEFFICIENTS];
-    for (k, (slope, c)) in slope.iter_mut().zip(&c[1..]).enumerate() {
-        *slope = (k + 1) as f64 * c;
+    let mut all = [0.0; MAX_COEFFICIENTS];
+    all[..c.len()].copy_from_slice(c);
+    let slopes = slope(&all, 1.0);
+    let slope_of = &slopes[..c.len() - 1];
+    let others: f64 = slope_of[1..].iter().map(|c| c.abs()).sum();
+    if slope_of[0].abs() > others {
+        return places;
     }
-    let slope = &slope[..c.len() - 1];
-    let others: f64 = slope[1..].iter().map(|c| c.abs()).sum();
-    if slope[0].abs() <= others {
-        let b = bernstein(slope);
-        sign_changes(slope, &b[..slope.len()], (0.0, 1.0), &mut places);
+    // Over most steps the function is monotone, or convex or concave with at most one turn.
+    let (at_a, at_b) = (slope_of[0], slope_of.iter().sum::<f64>());
+    let rises = at_a > 0.0;
+    if rises == (at_b > 0.0) && is_positive_folded(&slope(&all, at_a.signum())) {
+        return places;
     }
+    if is_positive_folded(&slope(&slopes, (at_b - at_a).signum())) {
+        if rises != (at_b > 0.0) {
+            places.0[0] = between(slope_of, (0.0, 1.0), rises);
+            places.1 = 1;
+        }
+        return places;
+    }
+    let b = bernstein(slope_of);
+    sign_changes(slope_of, &b[..slope_of.len()], (0.0, 1.0), &mut places);
     places
 }
 

@@ -17,6 +17,12 @@ pub(crate) struct Series<const L: usize> {
 pub(crate) trait Functions<const N: usize, const W: usize> {
     fn at<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]);
 
+    /// [`Functions::at`] a state of which the components that do not move are numbers like others.
+    #[inline(always)]
+    fn at_held<T: Scalar>(&self, t: T, x: &[T; N]) -> ([T; N], [T; W]) {
+        self.at(t, x)
+    }
+
     /// Number of components of the state that move. The others are constants of the functions.
     fn dimension(&self) -> usize {
         N

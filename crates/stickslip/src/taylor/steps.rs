@@ -24,6 +24,10 @@ enum StepKind {
     /// Subtracts `a` from this linear number.
     SubtractFromLinear(u32),
     Multiply,
+    /// `a` times this linear number, which is constant.
+    ScaleByLinear(u32),
+    /// `a` over this linear number, which is constant.
+    DivideByLinear(u32),
     Divide,
     /// A constant over `b`.
     Invert,
@@ -72,14 +76,14 @@ impl RecordedStep {
 }
 
 /// The rows that hold a number's coefficients.
-#[derive(Clone, Copy, Debug)]
-struct RowSource {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RowSource {
     /// Row of the coefficient of order 0.
-    first: u32,
+    pub first: u32,
     /// Row of the coefficients above order 0.
-    higher: u32,
+    pub higher: u32,
     /// Factor on the coefficients above order 0.
-    factor: f64,
+    pub factor: f64,
 }
 
 impl RowSource {
@@ -125,6 +129,12 @@ fn step_kind(
         (Op::Add, [InRow(a), InRow(b)]) => (StepKind::Add, [a, b], 0.0),
         (Op::Subtract, [InRow(a), InRow(b)]) => (StepKind::Subtract, [a, b], 0.0),
         (Op::Multiply, [InRow(a), InRow(b)]) => (StepKind::Multiply, [a, b], 0.0),
+        (Op::Multiply, [InRow(a), Linear(b)] | [Linear(b), InRow(a)]) if is_constant(b) => {
+            (StepKind::ScaleByLinear(b), [a; 2], 0.0)
+        }
+        (Op::Divide, [InRow(a), Linear(b)]) if is_constant(b) => {
+            (StepKind::DivideByLinear(b), [a; 2], 0.0)
+        }
         (Op::Divide, [InRow(a), InRow(b)]) => (StepKind::Divide, [a, b], 0.0),
         (Op::Divide, [Linear(a), InRow(b)]) if is_constant(a) => (StepKind::Invert, [b; 2], 0.0),
         (Op::Add | Op::Subtract, [InRow(a), Linear(b)]) if is_constant(b) => {
@@ -157,19 +167,37 @@ fn step_kind(
 
 impl Steps {
     /// The steps of a recording that took `rows`, if the numbers at the locations `wanted` are
-    /// needed.
+    /// needed in their rows.
     pub(super) fn of(
         recording: &Recording,
         wanted: impl Iterator<Item = Location>,
         rows: usize,
     ) -> Self {
+        Steps::used_by(recording, (wanted, Use::Row), rows).0
+    }
+
+    /// The steps of a recording if the coefficients of the numbers at the locations `wanted` are
+    /// needed, and the rows that hold those of each number.
+    pub(super) fn with_sources(
+        recording: &Recording,
+        wanted: impl Iterator<Item = Location>,
+        rows: usize,
+    ) -> (Self, Vec<RowSource>) {
+        Steps::used_by(recording, (wanted, Use::Coefficients), rows)
+    }
+
+    fn used_by(
+        recording: &Recording,
+        wanted: (impl Iterator<Item = Location>, Use),
+        rows: usize,
+    ) -> (Self, Vec<RowSource>) {
         let instructions = &recording.instructions;
         let is_constant = |linear: u32| recording.linear_numbers[linear as usize].is_constant;
         let uses = uses(instructions, wanted, &is_constant, rows);
         let mut rows: Vec<RowSource> = (0..rows as u32).map(RowSource::itself).collect();
         let mut steps = Vec::new();
         for (i, recorded) in instructions.iter().enumerate() {
-            if !is_used(recorded, &uses) {
+            if !is_used(recorded, &uses, &is_constant) {
                 continue;
             }
             let row = recorded.result.map_or(recorded.first, Location::number);
@@ -206,7 +234,7 @@ impl Steps {
             };
             steps.push(step);
         }
-        Steps(steps)
+        (Steps(steps), rows)
     }
 
     /// Performs all steps at one order.
@@ -333,6 +361,14 @@ impl<const L: usize> AtOrder<'_, L> {
                 let newest = product(inner, self.ends(a)?, self.ends(b)?);
                 self.row(row)?.set(order, newest);
             }
+            StepKind::ScaleByLinear(linear) => {
+                let (a, by) = (self.scaled(a)?, replay.linear_number(linear).value);
+                self.row(row)?.set(order, lanes(|l| a[l] * by[l]));
+            }
+            StepKind::DivideByLinear(linear) => {
+                let (a, by) = (self.scaled(a)?, replay.linear_number(linear).value);
+                self.row(row)?.set(order, lanes(|l| a[l] * (1.0 / by[l])));
+            }
             StepKind::Divide => {
                 let into = self.row(row)?;
                 let inner = self.row(b.higher)?.convolution(into, order);
@@ -379,13 +415,18 @@ impl<const L: usize> AtOrder<'_, L> {
 }
 
 /// Whether the result of an instruction is used.
-fn is_used(recorded: &RecordedInstruction, uses: &[Use]) -> bool {
+fn is_used(
+    recorded: &RecordedInstruction,
+    uses: &[Use],
+    is_constant: &impl Fn(u32) -> bool,
+) -> bool {
+    let moves = |of: &Location| !matches!(of, Location::Linear(linear) if is_constant(*linear));
     match recorded.result {
-        // The other checks concern the value alone.
-        None => matches!(
-            recorded.instruction.operation,
-            Operation::Exceeds | Operation::ExceedsNot
-        ),
+        // The other checks concern the value alone, as one of two constants does.
+        None => {
+            let Instruction { operation, of, .. } = &recorded.instruction;
+            matches!(operation, Operation::Exceeds | Operation::ExceedsNot) && of.iter().any(moves)
+        }
         Some(Location::Linear(_)) => false,
         Some(Location::InRow(row)) => {
             let is_pair = recorded.instruction.operation == Operation::SineCosine;
@@ -398,16 +439,16 @@ fn is_used(recorded: &RecordedInstruction, uses: &[Use]) -> bool {
 /// Uses of each row.
 fn uses(
     instructions: &[RecordedInstruction],
-    wanted: impl Iterator<Item = Location>,
+    (wanted, to): (impl Iterator<Item = Location>, Use),
     is_constant: &impl Fn(u32) -> bool,
     rows: usize,
 ) -> Vec<Use> {
     let mut uses = vec![Use::None; rows];
     for location in wanted {
-        raise(&mut uses, location, Use::Row);
+        raise(&mut uses, location, to);
     }
     for recorded in instructions.iter().rev() {
-        if !is_used(recorded, &uses) {
+        if !is_used(recorded, &uses, is_constant) {
             continue;
         }
         let Some((kind, of, _)) = step_kind(&recorded.instruction, is_constant) else {

@@ -30,6 +30,10 @@ impl<F: Functions<N, W>, const N: usize, const W: usize> Functions<N, W> for Int
         self.1.set(self.1.get() + 1);
         self.0.at(t, x)
     }
+
+    fn dimension(&self) -> usize {
+        self.0.dimension()
+    }
 }
 
 /// Coefficients of the watched functions along the solution from `x` at time 0, in units of time
@@ -319,6 +323,68 @@ fn a_call_recorded_in_one_lane_is_repeated_in_several_with_the_same_bits() {
         at(x);
     }
     assert_eq!(interpreted.1.get(), calls);
+}
+
+/// A field with two held components, of which the second may decide which operations follow.
+struct WithHeld {
+    reads_choice: bool,
+}
+
+impl Functions<3, 1> for WithHeld {
+    fn at<T: Scalar>(&self, t: T, [x, level, choice]: &[T; 3]) -> ([T; 3], [T; 1]) {
+        let (x, level, choice) = (*x, *level, *choice);
+        let scale = (level * 3.0 + T::one() / level).sqrt();
+        let forced = (t * level).sin() * scale - (level - 0.5).max(T::zero());
+        let by_choice = match self.reads_choice && choice.value() > 0.5 {
+            true => x * choice,
+            false => x / choice,
+        };
+        let rate = x * level - by_choice * x / (level + 2.0) + forced;
+        ([rate, T::zero(), T::zero()], [x - level * t])
+    }
+
+    fn dimension(&self) -> usize {
+        1
+    }
+}
+
+/// Expands a field with held components one after another by the same recorded calls, each with
+/// the bits that it has by a call of its own. Returns the numbers of calls that this takes.
+fn calls_with_held(reads_choice: bool, held: &[[f64; 2]]) -> Vec<usize> {
+    let with_held = WithHeld { reads_choice };
+    let interpreted = Interpreted(&with_held, Cell::new(0));
+    let rows = |x: [f64; 3], calls: &mut RecordedCalls<3, 1>| {
+        let mut series = Series::<1>::default();
+        let (time, x) = (([0.2], [0.1]), x.map(|x| [x]));
+        let expansion =
+            series.expand_by(|rows| calls.expand(rows, time, &x, MAX_ORDER, &interpreted));
+        let watched = expansion.watched[0].expect("moves").row;
+        [0, watched].map(|row| {
+            let row = &series.rows()[row];
+            std::array::from_fn::<_, MAX_COEFFICIENTS, _>(|k| row.lane(0, k).to_bits())
+        })
+    };
+    let mut calls = RecordedCalls::default();
+    let count = |&[level, choice]: &[f64; 2]| {
+        let x = [0.6, level, choice];
+        let before = interpreted.1.get();
+        let found = rows(x, &mut calls);
+        let made = interpreted.1.get() - before;
+        let alone = rows(x, &mut RecordedCalls::default());
+        assert_eq!(found, alone, "{level} {choice}");
+        made
+    };
+    held.iter().map(count).collect()
+}
+
+#[test]
+fn a_recorded_call_serves_other_held_components_with_the_same_bits() {
+    // Another result of a comparison needs a call.
+    let levels = [0.7, 0.9, 1.3, 0.3, 0.4, 1.3].map(|level| [level, level + 0.1]);
+    assert_eq!(calls_with_held(false, &levels), [1, 0, 0, 1, 0, 0]);
+    // So does any other value of what is read.
+    let choices = [0.9, 0.3, 0.8, 0.9].map(|choice| [0.7, choice]);
+    assert_eq!(calls_with_held(true, &choices), [1, 1, 1, 0]);
 }
 
 /// Asserts that every lane has the bits that it has alone.

@@ -29,6 +29,10 @@ pub enum Function {
     Fine(f64),
     /// A fall through zero at this time, with a narrow bump 0.2 later.
     Bump(f64),
+    /// A resonance of width 1 in time about a centre, over this width, less half its height.
+    Resonance(f64, f64),
+    /// The product of the first and the last component, minus a level.
+    Product(f64),
     /// A combination of time, first and last component and one, declared as affine or not.
     Combination([f64; 4], bool),
 }
@@ -53,6 +57,11 @@ impl<const N: usize, const E: usize> EventFunctions<N> for EventSet<E> {
                 let late = (t - (fall + 0.2)) * 1e3;
                 -t + fall + (-late * late).exp() * 2.0
             }
+            Function::Resonance(centre, width) => {
+                let off = (t - centre) / width;
+                (off * off + 1.0).recip() - 0.5
+            }
+            Function::Product(level) => x[0] * x[N - 1] - level,
             Function::Combination([in_time, first, last, one], _) => {
                 t * in_time + x[0] * first + x[N - 1] * last + one
             }
@@ -373,6 +382,51 @@ fn a_narrow_bump_behind_a_zero_is_seen() {
             assert!(times[1..].iter().all(|t| (t - fall - 0.2).abs() < 2e-3));
         }
     }
+}
+
+#[test]
+fn a_resonance_is_seen_however_narrow() {
+    let mut draw = SplitMix::new(1967);
+    for _ in 0..150 {
+        let (centre, width) = (draw.between(0.6, 11.0), math::exp(draw.between(-8.0, -0.7)));
+        let resonance = watch(Function::Resonance(centre, width), Both);
+        let options = Options::tol(1e-12).method(Method::Taylor);
+        let found = solve_with_events(&Floor, &resonance, 0.0, START, 12.0, &options).unwrap();
+        let times: Vec<f64> = found.events.iter().map(|event| event.t).collect();
+        assert_eq!(times.len(), 2, "{centre} {width}: {times:?}");
+        for (t, exact) in times.iter().zip([centre - width, centre + width]) {
+            assert!((t - exact).abs() < 1e-12, "{centre} {width}: {t}");
+        }
+    }
+}
+
+/// Over Taylor steps products have a series, over Runge-Kutta steps they have not.
+#[test]
+fn products_have_the_zeros_that_they_have_by_the_other_method() {
+    let mut draw = SplitMix::new(1968);
+    let mut count = 0;
+    for _ in 0..40 {
+        let level = draw.between(-1.6, 1.6);
+        let product = EventSet {
+            functions: [Function::Product(level), Function::Product(level + 0.3)],
+            directions: [Both, Both],
+            terminal: None,
+        };
+        let [taylor, other] = [Method::Taylor, Method::Dop853].map(|method| {
+            let options = Options::tol(1e-13).method(method);
+            solve_with_events(&Floor, &product, 0.0, START, 12.0, &options).unwrap()
+        });
+        assert_eq!(taylor.events.len(), other.events.len(), "{level}");
+        for (one, other) in taylor.events.iter().zip(&other.events) {
+            assert_eq!((one.number, one.direction), (other.number, other.direction));
+            assert!((one.t - other.t).abs() * one.rate.abs() < 1e-11, "{level}");
+            let level = level + 0.3 * one.number as f64;
+            assert!((one.x[0] * one.x[1] - level).abs() < 1e-14, "{level}");
+            assert!((one.rate - other.rate).abs() < 1e-9);
+            count += 1;
+        }
+    }
+    assert!(count > 100, "{count}");
 }
 
 #[test]

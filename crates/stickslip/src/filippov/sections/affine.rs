@@ -1,6 +1,6 @@
-//! Affine event functions over a step. Functions with the same slopes differ by a constant and
-//! share what a step says about them. Over a Taylor step they are combinations of the series of the
-//! states, whose turning points separate all zeros.
+//! Event functions over a step. Functions that differ by a constant share what a step says about
+//! them. Over a Taylor step they have series, whose turning points separate all zeros: affine
+//! functions as combinations of the series of the states, others by [`super::composed`].
 
 use super::EventFunctions;
 use super::over_step::SampledStep;
@@ -11,29 +11,50 @@ use crate::filippov::uncertainty::STATE_ROUNDING;
 use crate::ode::{Timed, power_series};
 use crate::system::{State, components};
 use crate::taylor::MAX_COEFFICIENTS;
-use crate::taylor::roots::{RootBracket, newton, turning_points};
+use crate::taylor::roots::{RootBracket, is_positive_folded, newton, turning_points};
 
 /// A function has left its zero where it is so many times its rounding. Chosen above 2, the
 /// rounding there and here.
 const LEFT: f64 = 4.0;
 
-/// An affine function of time and state: one of the [`Slopes`], and a constant.
+/// Number of last terms by which the rest of a series is bounded. Chosen: three of four may vanish.
+const LAST_TERMS: usize = 4;
+
+/// Bound of what a series leaves out over the sum of these terms. Chosen: terms that fall by a
+/// tenth each sum to less.
+const TAIL: f64 = 4.0;
+
+/// Largest sum of these terms over that of all. Chosen: the nearest singularity, as of a narrow
+/// bump, is then about twice as far away as the step is long.
+const DECAY: f64 = 1e-6;
+
+/// Newton iterations from the zero of a series. Each squares the distance: three reach rounding from
+/// what [`DECAY`] leaves.
+const REFINEMENTS: usize = 3;
+
+/// A function of time and state: one of the [`Slopes`], and a constant.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
     pub slopes: usize,
-    constant: f64,
+    pub constant: f64,
 }
 
-/// Slopes that affine functions have in common, and the part of these functions without their
-/// constant over a step.
+/// What functions have in common that differ by a constant: the slopes of affine ones, and the part
+/// of the functions without their constant over a step.
 pub(super) struct Slopes<const N: usize> {
     normal: State<N>,
     in_time: f64,
+    /// Whether the functions are affine; else only their series is known.
+    is_affine: bool,
+    /// Whether there are several of these functions.
+    pub is_shared: bool,
     /// Values at the ends of the step.
     start: f64,
     end: f64,
     /// Size of the terms.
     size: f64,
+    /// Bound of what the series leaves out.
+    tail: f64,
     /// Bounds over the step.
     range: [f64; 2],
     /// Over a Taylor step, the value at its start and the coefficients of the powers of its part.
@@ -67,25 +88,72 @@ impl<const N: usize> Slopes<N> {
             let (normal, in_time) = gradient(value, &Timed { t, x }, N);
             let is_known = |one: &Self| (one.normal, one.in_time) == (normal, in_time);
             let slopes = all.iter().position(is_known).unwrap_or(all.len());
-            if slopes == all.len() {
-                all.push(Slopes {
+            match all.get_mut(slopes) {
+                Some(known) => known.is_shared = true,
+                None => all.push(Slopes {
                     normal,
                     in_time,
-                    start: 0.0,
-                    end: 0.0,
-                    size: 0.0,
-                    range: [f64::NEG_INFINITY, f64::INFINITY],
-                    series: None,
-                    order: 0,
-                    reach: 1.0,
-                    turns: Vec::new(),
-                });
+                    is_affine: true,
+                    ..Slopes::composed()
+                }),
             }
             let constant = events.value(number, t, components(&x));
             Some(Affine { slopes, constant })
         };
         let functions = (0..events.count()).map(&mut affine).collect();
         (functions, all)
+    }
+
+    /// Of functions that are not affine, before a step.
+    pub(super) fn composed() -> Self {
+        Slopes {
+            normal: State::from([0.0; N]),
+            in_time: 0.0,
+            is_affine: false,
+            is_shared: false,
+            start: 0.0,
+            end: 0.0,
+            size: 0.0,
+            tail: 0.0,
+            range: [f64::NEG_INFINITY, f64::INFINITY],
+            series: None,
+            order: 0,
+            reach: 1.0,
+            turns: Vec::new(),
+        }
+    }
+
+    /// Forgets the last step. Nothing is certain of functions that no series follows.
+    pub(super) fn forget(&mut self) {
+        self.turns.clear();
+        self.series = None;
+        self.range = [f64::NEG_INFINITY, f64::INFINITY];
+    }
+
+    /// Takes the next step of functions that are not affine, with the coefficients `c` of what they
+    /// change by over the powers of the part of the series, the changes up to the middle and the
+    /// end of the step, and the size of their terms. A series that does not converge fast enough
+    /// is not taken.
+    pub(super) fn follow_series<K>(
+        &mut self,
+        step: &StepRecord<N, K>,
+        (c, order): ([f64; MAX_COEFFICIENTS], usize),
+        (changes, size): ([f64; 2], f64),
+    ) {
+        self.forget();
+        (self.end, self.size) = (changes[1], size);
+        self.take_series(step, (c, order));
+        let Some(c) = &self.series else { return };
+        let c = &c[..=self.order];
+        let sum = |c: &[f64]| c.iter().map(|c| c.abs()).sum::<f64>();
+        let last = sum(&c[c.len().saturating_sub(LAST_TERMS).max(1)..]);
+        self.tail = TAIL * last;
+        let margin = STATE_ROUNDING * self.size + self.tail;
+        let is_at = |(s, change): (f64, f64)| (power_series(c, s).0 - change).abs() <= margin;
+        let converges = last <= DECAY * sum(c);
+        if !(converges && is_at((0.5, changes[0])) && is_at((1.0, changes[1]))) {
+            self.forget();
+        }
     }
 
     /// Takes the next step, of states of this size.
@@ -110,6 +178,16 @@ impl<const N: usize> Slopes<N> {
         }
         c[0] += self.in_time * step.t_start;
         c[1] += self.in_time * dense.h;
+        self.take_series(step, (c, of_states.len() - 1));
+    }
+
+    /// Takes the coefficients of the powers of the part of the series.
+    fn take_series<K>(
+        &mut self,
+        step: &StepRecord<N, K>,
+        (mut c, order): ([f64; MAX_COEFFICIENTS], usize),
+    ) {
+        let (dense, late) = (&step.dense, f64::max(step.t_start.abs(), step.t_end.abs()));
         // A step that is cut is shorter than its series.
         let length = step.t_end - step.t_start;
         let is_cut = (length - dense.h).abs() > TIME_ROUNDING * late;
@@ -129,12 +207,24 @@ impl<const N: usize> Slopes<N> {
         // Terms that cancel leave their rounding.
         self.size = self.size.max(reach);
         self.range = [c[0] - reach, c[0] + reach];
-        (self.series, self.order) = (Some(c), of_states.len() - 1);
+        (self.series, self.order) = (Some(c), order);
     }
 
     /// Whether a function certainly has the sign `side` throughout the step.
     pub(super) fn has_sign(&mut self, side: f64, of: Affine) -> bool {
-        self.is_beyond(side, of) || self.find_turns() && self.is_beyond(side, of)
+        self.is_beyond(side, of)
+            || !self.is_shared && self.turns.is_empty() && self.is_positive(side, of)
+            || self.find_turns() && self.is_beyond(side, of)
+    }
+
+    /// Whether coefficients prove that a function has the sign `side` over a Taylor step.
+    fn is_positive(&self, side: f64, of: Affine) -> bool {
+        let (Some(c), rounding) = (&self.series, self.rounding(of)) else {
+            return false;
+        };
+        let mut height = c.map(|c| side * c);
+        height[0] = side * (c[0] + of.constant) - rounding;
+        side * (self.end + of.constant) > rounding && is_positive_folded(&height)
     }
 
     fn is_beyond(&self, side: f64, of: Affine) -> bool {
@@ -146,7 +236,7 @@ impl<const N: usize> Slopes<N> {
     }
 
     fn rounding(&self, of: Affine) -> f64 {
-        STATE_ROUNDING * (of.constant.abs() + self.size)
+        STATE_ROUNDING * (of.constant.abs() + self.size) + self.tail
     }
 
     /// Finds where the series turns, and narrows the bounds to the values there. Returns whether
@@ -171,12 +261,42 @@ impl<const N: usize> Slopes<N> {
         true
     }
 
-    /// Time and state at a part of a Taylor step, and the rate of the functions.
-    pub(super) fn at<K>(&self, s: f64, step: &StepRecord<N, K>) -> Option<(Timed<N>, f64)> {
+    /// Time and state at a part of a Taylor step, and the slope of the series there.
+    fn moving<K>(&self, s: f64, step: &StepRecord<N, K>) -> Option<(Timed<N>, State<N>)> {
         let (x, slope) = power_series(step.dense.series()?, s * self.reach);
         let t = step.t_start + s * (step.t_end - step.t_start);
-        let rate = self.normal.dot(&slope) / step.dense.h + self.in_time;
-        Some((Timed { t, x }, rate))
+        Some((Timed { t, x }, slope))
+    }
+
+    /// Time and state at a zero in a Taylor step, and the rate of the function there. The series of
+    /// a function that is not affine finds its zeros to within what the series leaves out;
+    /// Newton's iteration with value and rate by `function` goes on from there.
+    pub(super) fn at<K>(
+        &self,
+        zero: SeriesZero,
+        step: &StepRecord<N, K>,
+        function: impl Fn(&Timed<N>, &State<N>) -> (f64, f64),
+    ) -> Option<(Timed<N>, f64)> {
+        let (mut at, slope) = self.moving(zero.s, step)?;
+        if self.is_affine {
+            let rate = self.normal.dot(&slope) / step.dense.h + self.in_time;
+            return Some((at, rate));
+        }
+        let length = step.t_end - step.t_start;
+        let mut s = zero.s;
+        let (mut value, mut rate) = function(&at, &(slope / step.dense.h));
+        for _ in 0..REFINEMENTS {
+            let next = s - value / (rate * length);
+            let is_between = next > zero.between.0 && next < zero.between.1;
+            if !is_between || (next - s).abs() <= f64::EPSILON {
+                break;
+            }
+            s = next;
+            let (there, slope) = self.moving(s, step)?;
+            at = there;
+            (value, rate) = function(&at, &(slope / step.dense.h));
+        }
+        Some((at, rate))
     }
 
     /// The part of a step at which the dense output has its state at a part of the series.

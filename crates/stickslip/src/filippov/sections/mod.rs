@@ -3,6 +3,7 @@
 
 mod affine;
 mod common;
+mod composed;
 mod crossings;
 mod over_step;
 mod search;

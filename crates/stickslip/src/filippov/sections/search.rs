@@ -3,9 +3,11 @@
 use std::ops::ControlFlow;
 
 use super::affine::{Affine, SeriesZero, Slopes};
+use super::composed::ComposedSeries;
 use super::crossings::Crossings;
 use super::over_step::{OverStep, SampledStep};
 use super::{Direction, EventFunctions, EventRecord};
+use crate::dual::Dual;
 use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
 use crate::filippov::integration::Integration;
 use crate::filippov::observer::StepRecord;
@@ -71,9 +73,13 @@ pub struct EventSearch<'a, S: Switched<N, G>, V, const N: usize, const G: usize 
     /// Knowledge of each function at the end of the last step, and at its start.
     known: Vec<Known>,
     known_before: Vec<Known>,
-    /// Each function that is affine, and the slopes that these have.
+    /// Each function that is affine, and the slopes that these have. Behind them come those of the
+    /// others over the last step.
     affine: Vec<Option<Affine>>,
     slopes: Vec<Slopes<N>>,
+    /// Number of slopes of affine functions.
+    of_affine: usize,
+    composed: ComposedSeries<N>,
     /// Room for the zeros of a function.
     zeros: Vec<SeriesZero>,
     /// Recent size of the state's components, and that at the start of the last step.
@@ -109,6 +115,8 @@ where
             system,
             known: vec![Known::default(); events.count()],
             known_before: Vec::new(),
+            composed: ComposedSeries::of(&affine),
+            of_affine: slopes.len(),
             affine,
             slopes,
             zeros: Vec::new(),
@@ -162,22 +170,27 @@ where
     fn search(&mut self, step: &StepRecord<N, S::Mode>) {
         self.note_size([&step.x_start, &step.x_end]);
         let sampled = SampledStep::new(step);
-        for slopes in &mut self.slopes {
+        for slopes in &mut self.slopes[..self.of_affine] {
             slopes.follow(&sampled, &self.size);
         }
+        let functions = (&self.events, self.system.dimension());
+        let slopes = (&mut self.slopes, self.of_affine);
+        self.composed.follow(step, functions, &self.size, slopes);
         // A slide is settled on its boundary, from which its series drifts.
         let slides = S::of_contacts(&step.mode).contains(&Mode::Stick);
         for number in 0..self.known.len() {
             let Known { side, standing } = &mut self.known[number];
-            let affine = self.affine[number].filter(|_| *side != 0.0);
-            if let (Standing::Leaving(_), Some(of)) = (*standing, affine)
+            let is_affine = self.affine[number].is_some();
+            let series = self.affine[number].or_else(|| self.composed.function(number));
+            let series = series.filter(|_| *side != 0.0);
+            if let (Standing::Leaving(_), Some(of)) = (*standing, series)
                 && self.slopes[of.slopes].has_left(*side, of)
             {
                 *standing = Standing::Left;
             }
             let (side, standing) = (*side, *standing);
             let has_left = side != 0.0 && matches!(standing, Standing::Left);
-            if let Some(of) = affine
+            if let Some(of) = series
                 && has_left
                 && self.slopes[of.slopes].has_sign(side, of)
             {
@@ -193,7 +206,13 @@ where
                 size: &self.size,
                 zero: 0.0,
             };
-            if has_left && affine.is_none() && over.is_clear_throughout(side) {
+            let has_zeros = series.is_some_and(|of| {
+                let begins = matches!(standing, Standing::AtStart(_));
+                !slides
+                    && (has_left || begins)
+                    && self.slopes[of.slopes].find_zeros((side, begins), of, &mut self.zeros)
+            });
+            if !has_zeros && has_left && !is_affine && over.is_clear_throughout(side) {
                 continue;
             }
             let (requested, only_first) = (self.events.direction(number), self.only_first);
@@ -213,13 +232,13 @@ where
                 }
             };
             let mut crossings = Crossings::<S, V, _, N, G>::new(over, side);
-            let begins_at_zero = matches!(standing, Standing::AtStart(_));
-            if let Some(of) = affine
-                && !slides
-                && (has_left || begins_at_zero)
-                && self.slopes[of.slopes].find_zeros((side, begins_at_zero), of, &mut self.zeros)
-            {
+            if let Some(of) = series.filter(|_| has_zeros) {
                 let slopes = &self.slopes[of.slopes];
+                let along = |at: &Timed<N>, velocity: &State<N>| {
+                    let x = std::array::from_fn(|i| Dual::new(at.x[i], velocity[i]));
+                    let Dual { re, eps } = self.events.value(number, Dual::new(at.t, 1.0), &x);
+                    (re, eps)
+                };
                 for zero in &self.zeros {
                     let direction = Direction::leaving(crossings.side);
                     let located = match (requested.includes(direction), only_first) {
@@ -229,7 +248,7 @@ where
                             let probe = crossings.newton(zero.between, slopes.part(zero.s, step));
                             Some((probe.at, probe.rate))
                         }
-                        (true, false) => slopes.at(zero.s, step),
+                        (true, false) => slopes.at(*zero, step, along),
                     };
                     crossings.side = -crossings.side;
                     if let Some((at, rate)) = located
