@@ -22,9 +22,6 @@ VALVE_ORBITS, VALVE_RETURNS = 3072, 64
 # Our solver in the pages. Peers are compared with it.
 OURS = "stickslip Taylor"
 
-# The tolerance at which steps are timed.
-STEPS_AT = 1e-12
-
 # Counts in sentences.
 NUMBERS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
@@ -193,27 +190,6 @@ def of_formulas(rows):
     )
 
 
-def of_steps(rows):
-    """docs/speed.md: nanoseconds a step, and the machine."""
-    words = []
-    for solver, of in ((OURS, "a compiled system"), ("stickslip formulas", "one from formulas")):
-        found = sorted(
-            (float(row["step_ns"]), row["problem"])
-            for row in rows
-            if row["solver"] == solver and float(row["tolerance"]) == STEPS_AT and row["step_ns"]
-        )
-        (least, where_least), (most, where_most) = found[0], found[-1]
-        words.append(
-            f"a step of {of} takes {duration(1e-9 * least)} (`{where_least}`) to "
-            f"{duration(1e-9 * most)} (`{where_most}`)"
-        )
-    name, cores = rows[0]["processor"], rows[0]["cores"]
-    return (
-        f"At a tolerance of {STEPS_AT:.0e} {' and '.join(words)}, with all that the run does "
-        f"between its steps. The processor was {name}, with {cores} cores, of which one was used."
-    )
-
-
 # What a user states once and runs once; the others are ensembles of orbits.
 SINGLE_ORBITS = ("belt", "impact", "buck")
 
@@ -355,7 +331,6 @@ PARTS = (
     ("joss/paper.md", "speed", "bench.csv", lambda rows: wrapped(of_heyoka(rows))),
     ("docs/speed.md", "peers", "bench.csv", of_peers),
     ("docs/speed.md", "formulas", "bench.csv", lambda rows: wrapped(of_formulas(rows))),
-    ("docs/speed.md", "steps", "bench.csv", lambda rows: wrapped(of_steps(rows))),
     ("docs/speed.md", "python", "python.csv", from_python),
     ("docs/speed.md", "heyoka", "python.csv", lambda rows: wrapped(beside_python(rows))),
     ("docs/speed.md", "valve", "python.csv", lambda rows: wrapped(of_valve(rows))),

@@ -46,15 +46,22 @@ impl JumpCondition {
         judged(&self.test, &mut leads.into_iter())
     }
 
-    /// The comparisons, numbered from `first` on.
+    /// The comparisons, numbered from `first` on. In a choice, `map` is what the jump makes of a
+    /// state, and a comparison decides nothing at which that is continuous.
     pub(super) fn comparisons(
         &self,
         (t, x): (f64, &[f64]),
         discrete: &[bool],
-        (first, is_of_condition): (usize, bool),
+        (first, map): (usize, Option<&dyn Fn(&mut [f64])>),
     ) -> Vec<Comparison> {
-        let all = self.compared(t, x, discrete);
-        let all = all.into_iter().enumerate();
+        let is_of_condition = map.is_none();
+        let all = self.compared(t, x, discrete).into_iter();
+        let all = all.map(|(of, decides)| {
+            let jumps = |map| !of.is_continuous(map, (t, x));
+            let decides = decides && map.is_none_or(jumps);
+            (of, decides)
+        });
+        let all = all.enumerate();
         all.map(|(number, (of, decides))| Comparison {
             number: first + number,
             lead: of.value,
@@ -133,6 +140,26 @@ impl Slopes {
         let sizes = self.by_state.iter().zip(x);
         let sizes = sizes.map(|(slope, x)| (slope * x).abs());
         sizes.sum::<f64>() + (self.in_time * t).abs()
+    }
+
+    /// Whether a map of the state is continuous across the nearest zero of the function. Beside a
+    /// place where it jumps, values on both sides stay apart as they come nearer.
+    fn is_continuous(&self, map: &dyn Fn(&mut [f64]), (t, x): (f64, &[f64])) -> bool {
+        let square = self.by_state.iter().map(|slope| slope * slope).sum::<f64>();
+        let after = |value: f64| {
+            let mut x = x.to_vec();
+            for (x, slope) in x.iter_mut().zip(&self.by_state) {
+                *x += slope * ((value - self.value) / square);
+            }
+            map(&mut x);
+            x
+        };
+        let apart = |off: f64| {
+            let pairs = after(off).into_iter().zip(after(-off));
+            pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()))
+        };
+        let near = ROUNDING.sqrt() * (self.value.abs() + self.size(t, x));
+        square > 0.0 && apart(near / 16.0) <= 0.5 * apart(near)
     }
 }
 

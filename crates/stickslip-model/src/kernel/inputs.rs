@@ -500,15 +500,17 @@ impl Switching {
     }
 
     /// The comparisons on which a jump hangs: those of its condition, then those of its choices.
-    fn comparisons(&self, jump: usize, t: f64, x: &[f64]) -> Vec<Comparison> {
-        let jump = &self.jumps[jump];
+    fn comparisons(&self, number: usize, t: f64, x: &[f64]) -> Vec<Comparison> {
+        let jump = &self.jumps[number];
+        let map = |x: &mut [f64]| self.after(number, t, x);
         let mut all = Vec::new();
         let conditions = jump.condition.iter().map(|condition| (condition, None));
         let choices = jump.choices.iter();
         let choices = choices.map(|choice| (&choice.condition, Some(choice)));
         for (condition, choice) in conditions.chain(choices) {
             let counts = choice.is_none_or(|choice| jump.counts(choice, t, x));
-            let first = (all.len(), choice.is_none());
+            let map: Option<&dyn Fn(&mut [f64])> = choice.is_some().then_some(&map);
+            let first = (all.len(), map);
             let own = condition.comparisons((t, x), &self.discrete, first);
             all.extend(own.into_iter().map(|one| Comparison {
                 decides: one.decides && counts,

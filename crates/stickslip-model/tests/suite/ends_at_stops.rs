@@ -285,3 +285,34 @@ fn a_branch_ends_where_the_landing_of_a_ball_meets_its_lift_off() {
         assert_change((&system(text), 1.05, 1.7), method, what);
     }
 }
+
+/// A jump whose condition never holds has no effect, and a choice between equal maps none where it
+/// changes.
+#[test]
+fn branches_pass_conditions_and_choices_that_change_nothing() {
+    let wall = "name = \"p\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nq = 0.3\n[field]\n\
+                x = \"v\"\nv = \"-x - 0.3*v + cos(t)\"\n[jumps.hit]\nwhen = \"x - 0.5\"\n\
+                direction = \"rising\"\nif = \"v < q\"\nset = { v = \"0.5*v\" }\n[start]\nx = 0\n\
+                v = 0\n[time]\nend = 200\nperiod = \"2*pi\"\n";
+    // Rises through 1/2 are faster than this.
+    let speed = 2.5;
+    let kicked = |set: &str| {
+        format!(
+            "name = \"kicked\"\n[states]\nz = \"\"\ny = \"\"\n[parameters]\nq = 0.2\n[field]\n\
+             z = \"-z\"\ny = \"-y + cos(t)\"\n[jumps.kick]\nwhen = \"sin(t)\"\n\
+             direction = \"rising\"\nset = {{ z = \"{set}\" }}\n[start]\nz = 1\ny = 0.5\n\
+             [time]\nstart = 1\nend = 60\nperiod = \"2*pi\"\n"
+        )
+    };
+    // At t = 0 the oscillator y = (cos t + sin t)/2 is at 1/2.
+    let equal = kicked("if(y > q, z + 1, 1 + z)");
+    for method in METHODS {
+        for (text, low, high) in [(wall, 0.05, speed), (&equal, 0.1, 0.9)] {
+            let found = branch(&system(text), ("q", low, high), &options(method));
+            assert!(found.special.is_empty(), "{method}: {:?}", found.special);
+            let ends = [found.points.first(), found.points.last()];
+            let ends = ends.map(|at| at.unwrap().orbit.parameter);
+            assert_eq!(ends, [low, high], "{method}: {text}");
+        }
+    }
+}

@@ -192,3 +192,40 @@ fn the_absolute_value_of_a_boundary_has_no_kink() {
         assert!(off.abs() < 1e-11, "{method}: {off:e}");
     }
 }
+
+/// The spring exceeds the static limit of a law with a root, and the block is released.
+#[test]
+fn a_law_with_a_root_keeps_its_absolute_value() {
+    let text = BELT
+        .replace("0.4/(1 + 3*belt*(v - 0.2))", "0.2 + 0.3*sqrt(abs(v - 0.2))")
+        .replace("static = 0.5\n", "")
+        .replace("-2*x", "-x")
+        .replace("x = 0.5\n", "x = 0.1\n");
+    for method in METHODS {
+        let (run, transitions) = simulated(&text, method, 5.0);
+        assert_eq!(transitions[0].1, "stick exit", "{method}: {transitions:?}");
+        assert!((transitions[0].0 - 0.5).abs() < 1e-9, "{method}");
+        assert!((end(&run, "x") - 0.281_175_749).abs() < 1e-7, "{method}");
+    }
+}
+
+/// A pulse that is far below rounding beside itself sets off its jump.
+#[test]
+fn a_narrow_pulse_beside_a_smooth_term_is_seen() {
+    let text = "name = \"pulse\"\n[states]\nx = \"\"\nv = \"\"\n[jumps.pulse]\n\
+                when = \"(0.5 + 0.5*cos(t - 2.5))^1000 - 0.5 - 0.1*sin(t)\"\n\
+                direction = \"rising\"\nset = { v = \"v + 1\" }\n[field]\nx = \"v\"\n\
+                v = \"-x\"\n[start]\nx = 0.3\nv = 0.95\n";
+    for method in METHODS {
+        let (_, transitions) = simulated(text, method, 6.0);
+        let [(t, kind, _)] = &transitions[..] else {
+            panic!("{method}: {transitions:?}");
+        };
+        let pulse = math::powi(0.5 + 0.5 * math::cos(t - 2.5), 1000);
+        assert_eq!(*kind, "jump");
+        assert!(
+            (pulse - 0.5 - 0.1 * math::sin(*t)).abs() < 1e-9,
+            "{method}: {t}"
+        );
+    }
+}

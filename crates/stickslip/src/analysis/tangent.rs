@@ -33,10 +33,8 @@ fn kick(after: Vector, (reset, before): (&Reset, &Vector)) -> Vector {
     let terms = after.abs() + reset.by_state.abs() * before.abs() + reset.by_time.abs();
     let kick = after - &reset.by_state * before - &reset.by_time;
     kick.zip_map(&terms, |kick, terms| {
-        match kick.abs() > MATRIX_ROUNDING * terms {
-            true => kick,
-            false => 0.0,
-        }
+        let is_rounding = kick.abs() <= MATRIX_ROUNDING * terms;
+        if is_rounding { 0.0 } else { kick }
     })
 }
 

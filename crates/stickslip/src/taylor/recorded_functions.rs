@@ -8,6 +8,10 @@ use super::steps::{RowSource, Steps};
 use super::sweep::{CoefficientRows, Sweep};
 use crate::scalar::Scalar;
 
+/// Most factors of a function that has a series. Chosen: half of the order of a series at the
+/// tolerance 1e-6. A higher power has a narrow feature that falls below rounding beside it.
+const MOST_FACTORS: u32 = 8;
+
 /// Functions of time and state.
 pub(crate) trait Composed<const N: usize> {
     /// Number of functions.
@@ -150,6 +154,14 @@ impl<const N: usize> FunctionsCall<N> {
         }
         let reads_held = recorder.reads_held.get();
         let recording = recorder.end();
+        // A narrow feature of others is seen far from it by terms that rounding hides.
+        let is_plain = |row: &u32| {
+            let factors = recording.factors(Location::InRow(*row));
+            factors.is_some_and(|factors| factors <= MOST_FACTORS)
+        };
+        for row in &mut found {
+            *row = row.filter(is_plain);
+        }
         let wanted = found.iter().flatten().map(|&row| Location::InRow(row));
         let (steps, sources) = Steps::with_sources(&recording, wanted, rows);
         let source = |row: &Option<u32>| row.map(|row| sources[row as usize]);

@@ -276,6 +276,35 @@ impl Recording {
         conditions.filter(|one| one.result.is_none()).count()
     }
 
+    /// Largest number of states, or of sines of them, that are multiplied in a number; `None` if it
+    /// is not made by sums, products, sines and cosines alone.
+    pub(super) fn factors(&self, of: Location) -> Option<u32> {
+        let mut known = std::collections::BTreeMap::new();
+        for one in &self.instructions {
+            let Some(result) = one.result else { continue };
+            let of = |of: &Location| known.get(of).copied().unwrap_or(Some(1_u32));
+            let [a, b] = one.instruction.of.each_ref().map(of);
+            let factors = match one.instruction.operation {
+                Operation::Add | Operation::Subtract => a.zip(b).map(|(a, b)| a.max(b)),
+                Operation::Multiply => a.zip(b).map(|(a, b)| a.saturating_add(b)),
+                Operation::Negate
+                | Operation::AddConstant
+                | Operation::SubtractConstant
+                | Operation::MultiplyConstant
+                | Operation::DivideByConstant => a,
+                Operation::SineCosine => {
+                    if let Location::InRow(row) = result {
+                        known.insert(Location::InRow(row + 1), a);
+                    }
+                    a
+                }
+                _ => None,
+            };
+            known.insert(result, factors);
+        }
+        known.get(&of).copied().unwrap_or(Some(1))
+    }
+
     /// The linear numbers in `L` lanes. Constants are set; [`Recording::repeat_first`] computes the
     /// others.
     pub(super) fn spread<const L: usize>(&self, linear_numbers: &mut Vec<LinearNumber<L>>) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::super::names::{FURTHER_FUNCTIONS, LATER_FUNCTIONS, Meaning, did_you_mean};
-use super::super::{Formula, table};
+use super::super::{Formula, Rate, SystemFile, table};
 use super::{BuildNumber, BuildResult, Builder, Operand, Problem, Scope, no_number, of_operand};
 use crate::expression::{
     Binary, CHOICE, Expression, ExpressionKind, FUNCTIONS, Function, Graph, Id,
@@ -108,11 +108,12 @@ impl Builder<'_> {
         if self.boundaries.is_empty() {
             let contacts = self.file.contacts.iter();
             let (file, inputs, graph) = (self.file, self.inputs, &mut *self.graph);
+            let goes_on = goes_on_beyond(file);
             // A wrong boundary is reported where it stands.
             let built = contacts.map(|contact| {
                 let scope = Scope::NoSides("a boundary");
                 let mut builder = Builder::new(file, inputs, &mut *graph, scope);
-                builder.formula(&contact.boundary).ok()
+                goes_on.then(|| builder.formula(&contact.boundary).ok())?
             });
             self.boundaries = built.collect();
         }
@@ -212,6 +213,49 @@ impl Builder<'_> {
             }),
         })
     }
+}
+
+/// Whether a field that goes on smoothly beyond a boundary, where a distance is negative, has a
+/// value there: no root, logarithm or real power is in it, and no comparison. A contact that can be
+/// lost has one.
+fn goes_on_beyond(file: &SystemFile) -> bool {
+    const ENTIRE: [&str; 11] = [
+        "abs", "sin", "cos", "exp", "tanh", "sinh", "cosh", "atan", "erf", "friction", "by_side",
+    ];
+    fn is_whole(of: &Expression) -> bool {
+        match &of.kind {
+            ExpressionKind::Number(value) => value.fract() == 0.0,
+            ExpressionKind::Negative(inner) => is_whole(inner),
+            _ => false,
+        }
+    }
+    fn goes_on(of: &Expression) -> bool {
+        match &of.kind {
+            ExpressionKind::Number(_) | ExpressionKind::Name(_) => true,
+            ExpressionKind::Negative(inner) => goes_on(inner),
+            ExpressionKind::Chain(first, rest) => {
+                let mut rest = rest.iter();
+                let power = |operator: &Binary| *operator == Binary::Power;
+                goes_on(first) && rest.all(|(by, of)| goes_on(of) && (!power(by) || is_whole(of)))
+            }
+            ExpressionKind::Condition(_) => false,
+            ExpressionKind::Call {
+                function,
+                arguments,
+                ..
+            } => ENTIRE.contains(&&**function) && arguments.iter().all(goes_on),
+        }
+    }
+    let definitions = file.definitions.iter().map(|one| &one.formula);
+    let field = file.field.iter().flat_map(|rate| match rate {
+        Rate::Same(formula) => vec![formula],
+        Rate::BySide { below, above } => vec![below, above],
+    });
+    let laws = file.contacts.iter();
+    let laws = laws.flat_map(|one| [&one.friction, &one.holding]).flatten();
+    let mut all = definitions.chain(field).chain(laws);
+    let is_lost = file.contacts.iter().any(|one| one.normal_force.is_some());
+    !is_lost && all.all(|formula| goes_on(&formula.tree))
 }
 
 /// A function of numbers of a graph, composed of others where the graph does not have it.

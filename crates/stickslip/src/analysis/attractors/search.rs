@@ -122,6 +122,7 @@ impl<'a> Search<'a> {
         progress: Result<OrbitProgress, Error>,
         orbit: &mut dyn OrbitUnderWay,
     ) -> Option<Attractor> {
+        let mut is_jump = false;
         let done = match progress {
             Ok(OrbitProgress::Passage(at)) => self.event(Moment { t: at.t, x: at.x }, at.mode),
             Ok(OrbitProgress::Step) => {
@@ -138,11 +139,34 @@ impl<'a> Search<'a> {
                 None
             }
             Ok(OrbitProgress::Kink(_)) => None,
-            Ok(OrbitProgress::Transition(at)) => self.transition(&at, orbit.x()),
+            Ok(OrbitProgress::Transition(at)) => {
+                is_jump = at.kind == TransitionKind::Jump;
+                self.transition(&at, orbit.x())
+            }
             Ok(OrbitProgress::End(summary)) => Some(self.ended(summary, orbit.mode())),
             Err(error) => Some(self.failed(error, orbit)),
         };
-        done.map(|(kind, points)| self.attractor(kind, points, orbit))
+        let steps = orbit.counters().steps;
+        if is_jump && done.is_some() {
+            self.pass_instant(orbit);
+        }
+        done.map(|(kind, points)| self.attractor(kind, points, (orbit, steps)))
+    }
+
+    /// A run goes on from the attractor behind all jumps of an instant: from between them, what
+    /// sets off the next one is not known.
+    fn pass_instant(&mut self, orbit: &mut dyn OrbitUnderWay) {
+        let mut last = (orbit.now(), orbit.mode());
+        loop {
+            match orbit.step() {
+                Ok(OrbitProgress::PhaseEnd(phase)) if phase.t_end == last.0.t => {}
+                Ok(OrbitProgress::Transition(next)) if next.t == last.0.t => {
+                    last = (orbit.now(), orbit.mode());
+                }
+                _ => break,
+            }
+        }
+        self.resume_at.get_or_insert(last);
     }
 
     fn step(&mut self, mode: Modes, t: f64, x: &[f64]) -> Option<(AttractorKind, Vec<Moment>)> {
@@ -366,7 +390,7 @@ impl<'a> Search<'a> {
         &mut self,
         kind: AttractorKind,
         points: Vec<Moment>,
-        orbit: &dyn OrbitUnderWay,
+        (orbit, steps): (&dyn OrbitUnderWay, u64),
     ) -> Attractor {
         let resume_at = self.resume_at.take();
         let (last, mode) = resume_at.unwrap_or_else(|| (orbit.now(), orbit.mode()));
@@ -391,7 +415,7 @@ impl<'a> Search<'a> {
             phases,
             transitions,
             in_stick,
-            steps: orbit.counters().steps,
+            steps,
             mode,
             t: last.t,
             x: last.x,

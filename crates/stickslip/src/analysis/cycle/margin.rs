@@ -2,7 +2,7 @@
 
 use super::pieces::Piece;
 use super::{Outline, SegmentKind, closeness};
-use crate::dynamics::{Dynamics, Modes, Moment, instant};
+use crate::dynamics::{Comparison, Dynamics, Modes, Moment, instant};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
 
@@ -147,7 +147,9 @@ pub(super) fn at_events(
         if begin.is_of_jump {
             let at = &pieces[(part + count - 1) % count].end;
             let comparisons = system.decision(begin.contact, at).comparisons.into_iter();
-            for one in comparisons.filter(|one| one.decides) {
+            // Those beyond the last bit are not known.
+            let known = |one: &Comparison| one.number < u64::BITS as usize;
+            for one in comparisons.filter(|one| one.decides && known(one)) {
                 let sign = if begin.holds(one.number) { 1.0 } else { -1.0 };
                 margins.push(Margin {
                     at: at.clone(),

@@ -280,10 +280,6 @@ fn minima(
                 let at = (samples[place].step, samples[place].s);
                 Some(((minimum, None, at), scale))
             });
-            // A zero at which its condition does not hold is none.
-            places.retain(|(.., (step, s))| {
-                !is_conditional || system.decision(contact, &moment(*step, *s)).happens
-            });
             if is_conditional {
                 let both = system.map(contact, &piece.begin).direction == Direction::Both;
                 let passes = |a: f64, b: f64| a > 0.0 && b <= 0.0 || both && a < 0.0 && b >= 0.0;
@@ -303,7 +299,18 @@ fn minima(
                 let earlier = &pieces[(part + count - 1) % count].end;
                 let at_begin = passes(flow.guard(number, earlier), begin.jet[0]) && !leaves_zero;
                 let at_begin = at_begin.then(|| moment(begin.step, begin.s));
-                let passed = at_begin.into_iter().chain(within).filter_map(|at| {
+                let zeros: Vec<Moment> = at_begin.into_iter().chain(within).collect();
+                // A minimum below zero counts where the zero before it would be an event.
+                let happens = |at: &Moment| system.decision(contact, at).happens;
+                places.retain(|(.., (step, s))| {
+                    let at = moment(*step, *s);
+                    let before = zeros.iter().rev().find(|zero| zero.t <= at.t);
+                    match flow.guard(number, &at) > 0.0 {
+                        true => happens(&at),
+                        false => before.map_or_else(|| happens(&at), happens),
+                    }
+                });
+                let passed = zeros.into_iter().filter_map(|at| {
                     let decision = system.decision(contact, &at);
                     let all = decision.comparisons.into_iter();
                     let deciding = all.filter(|one| one.is_of_condition && one.decides);

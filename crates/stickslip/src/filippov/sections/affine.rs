@@ -28,10 +28,6 @@ const TAIL: f64 = 4.0;
 /// bump, is then about twice as far away as the step is long.
 const DECAY: f64 = 1e-6;
 
-/// Newton iterations from the zero of a series. Each squares the distance: three reach rounding from
-/// what [`DECAY`] leaves.
-const REFINEMENTS: usize = 3;
-
 /// A function of time and state: one of the [`Slopes`], and a constant.
 #[derive(Clone, Copy)]
 pub(super) struct Affine {
@@ -44,8 +40,6 @@ pub(super) struct Affine {
 pub(super) struct Slopes<const N: usize> {
     normal: State<N>,
     in_time: f64,
-    /// Whether the functions are affine; else only their series is known.
-    is_affine: bool,
     /// Whether there are several of these functions.
     pub is_shared: bool,
     /// Values at the ends of the step.
@@ -93,7 +87,6 @@ impl<const N: usize> Slopes<N> {
                 None => all.push(Slopes {
                     normal,
                     in_time,
-                    is_affine: true,
                     ..Slopes::composed()
                 }),
             }
@@ -109,7 +102,6 @@ impl<const N: usize> Slopes<N> {
         Slopes {
             normal: State::from([0.0; N]),
             in_time: 0.0,
-            is_affine: false,
             is_shared: false,
             start: 0.0,
             end: 0.0,
@@ -268,34 +260,14 @@ impl<const N: usize> Slopes<N> {
         Some((Timed { t, x }, slope))
     }
 
-    /// Time and state at a zero in a Taylor step, and the rate of the function there. The series of
-    /// a function that is not affine finds its zeros to within what the series leaves out;
-    /// Newton's iteration with value and rate by `function` goes on from there.
+    /// Time and state at a zero of an affine function in a Taylor step, and the rate there.
     pub(super) fn at<K>(
         &self,
         zero: SeriesZero,
         step: &StepRecord<N, K>,
-        function: impl Fn(&Timed<N>, &State<N>) -> (f64, f64),
     ) -> Option<(Timed<N>, f64)> {
-        let (mut at, slope) = self.moving(zero.s, step)?;
-        if self.is_affine {
-            let rate = self.normal.dot(&slope) / step.dense.h + self.in_time;
-            return Some((at, rate));
-        }
-        let length = step.t_end - step.t_start;
-        let mut s = zero.s;
-        let (mut value, mut rate) = function(&at, &(slope / step.dense.h));
-        for _ in 0..REFINEMENTS {
-            let next = s - value / (rate * length);
-            let is_between = next > zero.between.0 && next < zero.between.1;
-            if !is_between || (next - s).abs() <= f64::EPSILON {
-                break;
-            }
-            s = next;
-            let (there, slope) = self.moving(s, step)?;
-            at = there;
-            (value, rate) = function(&at, &(slope / step.dense.h));
-        }
+        let (at, slope) = self.moving(zero.s, step)?;
+        let rate = self.normal.dot(&slope) / step.dense.h + self.in_time;
         Some((at, rate))
     }
 

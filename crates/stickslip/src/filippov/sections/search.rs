@@ -7,7 +7,6 @@ use super::composed::ComposedSeries;
 use super::crossings::Crossings;
 use super::over_step::{OverStep, SampledStep};
 use super::{Direction, EventFunctions, EventRecord};
-use crate::dual::Dual;
 use crate::filippov::flow::{Flow, GUARDS, flow_path, gradient};
 use crate::filippov::integration::Integration;
 use crate::filippov::observer::StepRecord;
@@ -234,21 +233,18 @@ where
             let mut crossings = Crossings::<S, V, _, N, G>::new(over, side);
             if let Some(of) = series.filter(|_| has_zeros) {
                 let slopes = &self.slopes[of.slopes];
-                let along = |at: &Timed<N>, velocity: &State<N>| {
-                    let x = std::array::from_fn(|i| Dual::new(at.x[i], velocity[i]));
-                    let Dual { re, eps } = self.events.value(number, Dual::new(at.t, 1.0), &x);
-                    (re, eps)
-                };
                 for zero in &self.zeros {
                     let direction = Direction::leaving(crossings.side);
-                    let located = match (requested.includes(direction), only_first) {
+                    // The state before a jump is as near to the zero as single values are, and a
+                    // series leaves a part of a function out that is not affine.
+                    let by_values = only_first || !is_affine;
+                    let located = match (requested.includes(direction), by_values) {
                         (false, _) => None,
-                        // The state before a jump is as near to the zero as single values are.
                         (true, true) => {
                             let probe = crossings.newton(zero.between, slopes.part(zero.s, step));
                             Some((probe.at, probe.rate))
                         }
-                        (true, false) => slopes.at(*zero, step, along),
+                        (true, false) => slopes.at(*zero, step),
                     };
                     crossings.side = -crossings.side;
                     if let Some((at, rate)) = located
