@@ -2,7 +2,7 @@
 //! `benches/bench.py` runs it beside the peers.
 //!
 //! ```text
-//! bench PROBLEM                   solver,tolerance,seconds,steps,events for all solvers, tolerances
+//! bench PROBLEM                   solver,tolerance,seconds,steps,events, all tolerances
 //! bench PROBLEM SOLVER TOLERANCE  kind,time of each event: what is timed as a whole process
 //! bench draw TABLE FOLDER         draws report/bench.csv as bench.svg
 //! ```
