@@ -229,9 +229,9 @@
 //!   one.
 //! - **Tangent vectors**: [`SmoothFlow`](dynamics::SmoothFlow) carries them over a step, by
 //!   [`Carrying`](dynamics::Carrying), and has every [`Guard`](dynamics::Guard) that ends it.
-//!   A [`Decision`](dynamics::Decision) tells by every [`Comparison`](dynamics::Comparison)
-//!   whether a jump happens. [`Reset`](dynamics::Reset) maps them at a jump, [`KinkShift`](dynamics::KinkShift) at the
-//!   kink of an input.
+//!   A [`Decision`](dynamics::Decision) tells by every [`Comparison`](dynamics::Comparison) whether
+//!   a jump happens. [`Reset`](dynamics::Reset) maps them at a jump,
+//!   [`KinkShift`](dynamics::KinkShift) at the kink of an input.
 //!
 //! Numbers and tools:
 //! - **Numbers**: [`math`], functions with the same bits everywhere. [`scalar::Dual`] carries a
