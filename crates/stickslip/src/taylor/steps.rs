@@ -176,8 +176,8 @@ impl Steps {
         Steps::used_by(recording, (wanted, Use::Row), rows).0
     }
 
-    /// The steps of a recording if the coefficients of the numbers at the locations `wanted` are
-    /// needed, and the rows that hold those of each number.
+    /// The steps of a recording of which the numbers at the locations `wanted` need coefficients.
+    /// The rows hold those of each number.
     pub(super) fn with_sources(
         recording: &Recording,
         wanted: impl Iterator<Item = Location>,

@@ -28,8 +28,8 @@ pub(crate) enum MarginKind {
     /// A comparison on which the jump before a phase hangs is between equal numbers; its number
     /// among those of the jump.
     Choice(usize),
-    /// A guard comes to zero within a phase where the condition of its jump does not hold, by a
-    /// comparison that is between equal numbers.
+    /// A guard comes to zero within a phase, and the condition of its jump does not hold. A
+    /// comparison in it is between equal numbers.
     Passed(usize),
 }
 

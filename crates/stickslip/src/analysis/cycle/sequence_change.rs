@@ -41,8 +41,8 @@ pub enum SequenceBifurcation {
     /// does not jump. On the other it does, with a derivative that grows without bound towards the
     /// graze.
     JumpGrazing,
-    /// The reaction of a stop comes to zero. On one side of the change the stop carries; on the
-    /// other the body lifts off, for a short time or, where the reaction is constant, for good.
+    /// The reaction of a stop comes to zero. On one side of the change the stop carries, and on the
+    /// other the body lifts off. Where the reaction is constant, it does so for good.
     LiftOff,
     /// A comparison in the condition of a jump, or in a choice of what it sets, is between equal
     /// numbers. On one side of the change it holds; on the other it does not.

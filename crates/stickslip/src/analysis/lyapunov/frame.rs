@@ -10,9 +10,9 @@ use crate::math::{self, product};
 /// as small once in 1e12 entries into stick.
 const IN_SPAN: f64 = 1e-12;
 
-/// Part of a vector's length below which what is left of it is made orthogonal once more: what is
-/// not orthogonal then is a rounding over this part, a fifth of [`IN_SPAN`]. The lengths are those of
-/// the first pass, whose errors are relative to the whole vector either way.
+/// Part of a vector's length below which what is left of it is made orthogonal once more. What is
+/// not orthogonal then is a rounding over this part, a fifth of [`IN_SPAN`]. The lengths are those
+/// of the first pass, whose errors are relative to the whole vector either way.
 const SECOND_PASS: f64 = 5.0 * f64::EPSILON / IN_SPAN;
 
 /// Orthonormal vectors, at most as many as there are states. Some may have been annihilated. The

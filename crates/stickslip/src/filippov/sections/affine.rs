@@ -97,7 +97,7 @@ impl<const N: usize> Slopes<N> {
         (functions, all)
     }
 
-    /// Of functions that are not affine, before a step.
+    /// The slopes of functions that are not affine, before a step.
     pub(super) fn composed() -> Self {
         Slopes {
             normal: State::from([0.0; N]),
@@ -122,10 +122,10 @@ impl<const N: usize> Slopes<N> {
         self.range = [f64::NEG_INFINITY, f64::INFINITY];
     }
 
-    /// Takes the next step of functions that are not affine, with the coefficients `c` of what they
-    /// change by over the powers of the part of the series, the changes up to the middle and the
-    /// end of the step, and the size of their terms. A series that does not converge fast enough
-    /// is not taken.
+    /// Takes the next step of functions that are not affine. `c` are the coefficients of their
+    /// change, by powers of the part of the series. `changes` are those up to the middle and the
+    /// end of the step, and `size` is that of their terms. A series that does not converge fast
+    /// enough is not taken.
     pub(super) fn follow_series<K>(
         &mut self,
         step: &StepRecord<N, K>,

@@ -16,8 +16,8 @@ use crate::taylor::steps::RowSource;
 pub(super) struct ComposedSeries<const N: usize> {
     numbers: Vec<usize>,
     recorded: RecordedFunctions<N>,
-    /// Rows of each set of functions that differ by a constant, the first of them, and whether there
-    /// are others.
+    /// Rows of each set of functions that differ by a constant, the first of them, and whether
+    /// there are others.
     sets: Vec<(RowSource, usize, bool)>,
     /// Each of the functions over the last step; `None` where it has no series.
     of: Vec<Option<Affine>>,
