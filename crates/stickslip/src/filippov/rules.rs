@@ -228,16 +228,12 @@ fn one_derivative<const N: usize>(
     for direction in 0..dimension {
         let change = in_direction(direction).0.eps;
         // The slope of a root of the distance is infinite on Σ, and its change over the slack is
-        // not. The root has no value on the other side, unless the distance is an absolute value.
+        // not.
         if change.is_infinite() {
-            let over = |slack: f64| {
-                let mut there = *x;
-                there[direction] += slack;
-                let (t, x) = seeded(&Timed { t, x: there }, N);
-                (along(t, &x).0.re - derivative.re).abs()
-            };
-            let own = over(slack);
-            shift += if own.is_nan() { over(-slack) } else { own };
+            let mut there = *x;
+            there[direction] += slack;
+            let (t, x) = seeded(&Timed { t, x: there }, N);
+            shift += (along(t, &x).0.re - derivative.re).abs();
             continue;
         }
         spread += change.abs() * x[direction].abs();
