@@ -19,6 +19,9 @@ pub struct Choice {
     pub within: Vec<(usize, bool)>,
 }
 
+/// What a jump makes of a state.
+pub(super) type StateMap<'m> = dyn Fn(&mut [f64]) + 'm;
+
 /// The condition of a jump.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JumpCondition {
@@ -52,7 +55,7 @@ impl JumpCondition {
         &self,
         (t, x): (f64, &[f64]),
         discrete: &[bool],
-        (first, map): (usize, Option<&dyn Fn(&mut [f64])>),
+        (first, map): (usize, Option<&StateMap<'_>>),
     ) -> Vec<Comparison> {
         let is_of_condition = map.is_none();
         let all = self.compared(t, x, discrete).into_iter();
@@ -144,7 +147,7 @@ impl Slopes {
 
     /// Whether a map of the state is continuous across the nearest zero of the function. Beside a
     /// place where it jumps, values on both sides stay apart as they come nearer.
-    fn is_continuous(&self, map: &dyn Fn(&mut [f64]), (t, x): (f64, &[f64])) -> bool {
+    fn is_continuous(&self, map: &StateMap<'_>, (t, x): (f64, &[f64])) -> bool {
         let square = self.by_state.iter().map(|slope| slope * slope).sum::<f64>();
         let after = |value: f64| {
             let mut x = x.to_vec();

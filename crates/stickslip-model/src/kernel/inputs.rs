@@ -8,7 +8,7 @@ use stickslip::dynamics::{Comparison, Jumps};
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
-use super::conditions::{Choice, JumpCondition, is_clearly_negative, passes_by_time};
+use super::conditions::{Choice, JumpCondition, StateMap, is_clearly_negative, passes_by_time};
 use super::impacts::Impacts;
 use crate::expression::{Place, Tape};
 use crate::file::StopEvent;
@@ -509,7 +509,7 @@ impl Switching {
         let choices = choices.map(|choice| (&choice.condition, Some(choice)));
         for (condition, choice) in conditions.chain(choices) {
             let counts = choice.is_none_or(|choice| jump.counts(choice, t, x));
-            let map: Option<&dyn Fn(&mut [f64])> = choice.is_some().then_some(&map);
+            let map: Option<&StateMap<'_>> = choice.is_some().then_some(&map);
             let first = (all.len(), map);
             let own = condition.comparisons((t, x), &self.discrete, first);
             all.extend(own.into_iter().map(|one| Comparison {
