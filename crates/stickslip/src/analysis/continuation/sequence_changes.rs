@@ -273,9 +273,9 @@ impl Continuation<'_> {
         })
     }
 
-    /// The change within a step that leads to no orbit, if the speed of a jump's arrival or the
-    /// lead in a comparison of a jump vanishes there along the last two orbits. Behind it the jump
-    /// may have no map, as at a stop that nothing approaches, or another one.
+    /// The change within a step that leads to no orbit, by a jump. Along the last two orbits the
+    /// speed of its arrival vanishes there, or the lead in one of its comparisons. Behind it the
+    /// jump may have no map, as at a stop that nothing approaches, or another one.
     pub(super) fn vanishing_at_jump(&self, step: f64) -> Option<Change> {
         let (line, [before, last]) = (
             self.branch.line.as_ref()?,

@@ -24,8 +24,8 @@ const LAST_TERMS: usize = 4;
 /// tenth each sum to less.
 const TAIL: f64 = 4.0;
 
-/// Largest sum of these terms over that of all. Chosen: the nearest singularity, as of a narrow
-/// bump, is then about twice as far away as the step is long.
+/// Largest sum of these terms over that of all. Chosen: terms that come to it by the order of a
+/// series halve from one to the next, so that a fast sine in a long step is left to intervals.
 const DECAY: f64 = 1e-6;
 
 /// A function of time and state: one of the [`Slopes`], and a constant.
