@@ -239,7 +239,7 @@ fn a_condition_that_begins_to_hold_is_a_named_change() {
 
 /// Value of the parameter at which the impacts of a ball accumulate only as its stop lets go.
 ///
-/// Time `s` is counted back from the lift-off, so that the acceleration is `-q s`. A flight from `s`
+/// Time `s` is counted back from the lift-off: the acceleration is `-q s`. A flight from `s`
 /// with the speed `r q s^2` ends at `(1 - c) s` where `r = c/2 - c^2/6`. A ratio `r` that the next
 /// flight has again is the largest from which the ball comes to rest.
 fn landing_meets_lift_off(restitution: f64) -> f64 {
