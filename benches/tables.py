@@ -22,6 +22,9 @@ VALVE_ORBITS, VALVE_RETURNS = 3072, 64
 # Our solver in the pages. Peers are compared with it.
 OURS = "stickslip Taylor"
 
+# The tolerance at which steps are timed.
+STEPS_AT = 1e-12
+
 # Counts in sentences.
 NUMBERS = ("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 
@@ -190,6 +193,22 @@ def of_formulas(rows):
     )
 
 
+def of_steps(rows):
+    """docs/speed.md: time of a step of a compiled system, and the machine."""
+    found = sorted(
+        (float(row["step_ns"]), row["problem"])
+        for row in rows
+        if row["solver"] == OURS and float(row["tolerance"]) == STEPS_AT and row["step_ns"]
+    )
+    (least, where_least), (most, where_most) = found[0], found[-1]
+    name, cores = rows[0]["processor"], rows[0]["cores"]
+    return (
+        f"At a tolerance of {STEPS_AT:.0e} a step of a compiled system takes "
+        f"{duration(1e-9 * least)} (`{where_least}`) to {duration(1e-9 * most)} (`{where_most}`), "
+        f"with all that the run does between its steps. One of {cores} cores of an {name} did it."
+    )
+
+
 # What a user states once and runs once; the others are ensembles of orbits.
 SINGLE_ORBITS = ("belt", "impact", "buck")
 
@@ -202,8 +221,8 @@ def of_readme(rows):
         if row["tool"] == "heyoka" and row["problem"] in SINGLE_ORBITS
     ]
     return (
-        f"{of_heyoka(rows)} On single orbits from Python, it takes {min(over):.1f} to "
-        f"{max(over):.1f} times as long as `stickslip`. [Speed](docs/speed.md) has all the times."
+        f"{of_heyoka(rows)} On single orbits from Python, it takes {min(over):.2f} to "
+        f"{max(over):.2f} times as long as `stickslip`. [Speed](docs/speed.md) has all the times."
     )
 
 
@@ -331,6 +350,7 @@ PARTS = (
     ("joss/paper.md", "speed", "bench.csv", lambda rows: wrapped(of_heyoka(rows))),
     ("docs/speed.md", "peers", "bench.csv", of_peers),
     ("docs/speed.md", "formulas", "bench.csv", lambda rows: wrapped(of_formulas(rows))),
+    ("docs/speed.md", "steps", "bench.csv", lambda rows: wrapped(of_steps(rows))),
     ("docs/speed.md", "python", "python.csv", from_python),
     ("docs/speed.md", "heyoka", "python.csv", lambda rows: wrapped(beside_python(rows))),
     ("docs/speed.md", "valve", "python.csv", lambda rows: wrapped(of_valve(rows))),
