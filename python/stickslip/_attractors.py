@@ -67,7 +67,7 @@ class BifurcationDiagram(Result):
     changes : Table
         Changes of the attractor: ``name``, ``parameter`` (NaN if not located), ``uncertainty``,
         ``from_value`` and ``to_value`` (the values of the diagram on both sides), ``period``,
-        phases ``before`` and ``after``, and a state ``y``.
+        ``criticality`` of a flip or torus, phases ``before`` and ``after``, and a state ``y``.
     name : str
         The parameter.
     system : System

@@ -452,6 +452,7 @@ def test_a_change_is_located_where_it_is():
     fold = found.changes[found.changes["name"] == "fold"]
     assert len(fold) == 1 and fold["parameter"][0] == pytest.approx(-1, abs=1e-6)
     assert (fold["from_value"][0], fold["to_value"][0]) == (-0.9, -1.3)
+    assert fold["criticality"][0] == ""
     none = ss.bifurcation_diagram(rings(), "p", [-0.9, -1.3], [1.2, 0], longest=500, locate=False)
     assert len(none.changes) == 0
     for locate in ("all", True):

@@ -79,12 +79,14 @@ pub(super) fn json(system: &System, change: &WhatChanges) -> Value {
             what,
             x,
             period,
+            criticality,
         } => json!({ "multiplier": {
             "parameter": parameter,
             "uncertainty": uncertainty,
             "name": what.to_string(),
             "x": x.as_slice(),
             "period": period,
+            "criticality": criticality.map(|side| side.to_string()),
         } }),
         WhatChanges::NotFollowed(why) => json!({ "not-followed": match why {
             NotFollowed::Loops(loops) => json!({ "loops": loops }),

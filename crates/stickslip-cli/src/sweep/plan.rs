@@ -20,7 +20,7 @@ use super::error::SweepError;
 pub(super) const MANIFEST: &str = "manifest.json";
 
 /// Version of the file format.
-const FORMAT_VERSION: u32 = 21;
+const FORMAT_VERSION: u32 = 22;
 
 /// The program and its version. Other versions may compute different bits.
 const PROGRAM: &str = concat!("stickslip ", env!("CARGO_PKG_VERSION"));

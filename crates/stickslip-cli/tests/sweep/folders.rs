@@ -119,14 +119,14 @@ fn a_manifest_that_is_gone_or_damaged_is_reported() {
         assert!(error.to_string().contains(wanted), "{error}");
     };
     message("no manifest.json");
-    let other_format = sound.replace("\"format\": 21", "\"format\": 9");
+    let other_format = sound.replace("\"format\": 22", "\"format\": 9");
     assert_ne!(other_format, sound);
     let other_text = sound.replace("mu = 0.3", "mu = 0.4");
     let other_program = sound.replace("stickslip 0.", "stickslip 9.");
     for (text, wanted) in [
         (&sound[..sound.len() / 2], "cannot be read"),
         ("{}", "it has no format"),
-        (&other_format, "its format is 9, and this one reads 21"),
+        (&other_format, "its format is 9, and this one reads 22"),
         (&other_text, "not the one that its hash is of"),
         (&other_program, "the program was `stickslip 9."),
     ] {

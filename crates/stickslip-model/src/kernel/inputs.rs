@@ -365,13 +365,18 @@ impl Switching {
     /// The states, followed by the numbers that inputs hold from a time on.
     pub fn extended<T: Scalar>(&self, t: f64, x: &[T]) -> Vec<T> {
         let mut values: Vec<f64> = x.iter().map(|x| x.value()).collect();
-        values.resize(self.room(), 0.0);
-        (0..self.inputs.len()).for_each(|input| self.set_held(input, t, &mut values));
+        self.extend(t, &mut values);
         let held = values[self.states..].iter();
         x.iter()
             .copied()
             .chain(held.map(|&held| T::constant(held)))
             .collect()
+    }
+
+    /// Appends the numbers that inputs hold from a time on to the states.
+    pub fn extend(&self, t: f64, states: &mut Vec<f64>) {
+        states.resize(self.room(), 0.0);
+        (0..self.inputs.len()).for_each(|input| self.set_held(input, t, states));
     }
 
     /// Replaces a state by that after a jump.

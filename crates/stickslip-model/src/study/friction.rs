@@ -21,6 +21,9 @@ const ROUNDING: f64 = 1e-9;
 pub struct FrictionWatch<'s> {
     system: &'s System,
     tapes: HashMap<Modes, Option<Tape>>,
+    /// The states with what inputs hold, and the sizes: room for one evaluation.
+    states: Vec<f64>,
+    sizes: Vec<f64>,
     largest: Vec<f64>,
     warning: Option<String>,
 }
@@ -31,6 +34,8 @@ impl<'s> FrictionWatch<'s> {
         FrictionWatch {
             system,
             tapes: HashMap::new(),
+            states: Vec::new(),
+            sizes: vec![0.0; system.contacts()],
             largest: vec![0.0; system.contacts()],
             warning: None,
         }
@@ -59,8 +64,12 @@ impl<'s> FrictionWatch<'s> {
         for part in 1..=PARTS_OF_STEP {
             let part = f64::from(part) / f64::from(PARTS_OF_STEP);
             let t = step.t_start + part * (step.t_end - step.t_start);
-            let sizes = sizes(system, tape, t, solution(t).as_slice());
-            for ((contact, &size), largest) in sizes.iter().enumerate().zip(&mut self.largest) {
+            self.states.clear();
+            self.states.extend_from_slice(solution(t).as_slice());
+            system.built.switching.extend(t, &mut self.states);
+            tape.evaluate(t, &self.states, &mut self.sizes);
+            let sizes = self.sizes.iter().enumerate();
+            for ((contact, &size), largest) in sizes.zip(&mut self.largest) {
                 *largest = largest.max(size.abs());
                 if size < -ROUNDING * *largest {
                     self.warning = Some(negative(system, contact, t, size));

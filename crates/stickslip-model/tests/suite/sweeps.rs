@@ -1,7 +1,9 @@
 //! Attractors followed along a parameter, and the changes between them.
 
 use stickslip::Error;
-use stickslip::analysis::{AttractorChange, AttractorKind, CycleBifurcation, WhatChanges};
+use stickslip::analysis::{
+    AttractorChange, AttractorKind, Criticality, CycleBifurcation, WhatChanges,
+};
 use stickslip_model::file::System;
 use stickslip_model::study::{AtValue, Diagram, Locates};
 
@@ -105,12 +107,17 @@ fn a_flip_has_one_name_in_both_directions() {
             panic!("{changes:?}");
         };
         let WhatChanges::Multiplier {
-            what, parameter, ..
+            what,
+            parameter,
+            criticality,
+            ..
         } = &change.what
         else {
             panic!("{change:?}");
         };
         assert_eq!(*what, CycleBifurcation::Flip);
+        // The doubled orbit attracts.
+        assert_eq!(*criticality, Some(Criticality::Supercritical));
         let off = parameter - (1.0 + 6.0_f64.sqrt());
         assert!(off.abs() < 1e-12, "{off:e}");
     }

@@ -12,6 +12,7 @@ use crate::math::modulus;
 
 /// Side of a bifurcation on which the smaller or longer orbits, or the torus, exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Criticality {
     /// Branching orbits exist where the orbit is unstable. They attract where it has no other
     /// unstable direction.

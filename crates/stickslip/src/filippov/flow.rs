@@ -140,9 +140,9 @@ pub trait Flow<const N: usize> {
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
-    /// The rate at which the fields of both sides lead towards the boundary along which the mode
-    /// slides; zero without one, and with several. Where it is negative, the fields lead apart, and
-    /// the guards may be positive again.
+    /// The least rate at which the fields of both sides lead towards a boundary along which the mode
+    /// slides; zero without one. Where it is negative, the fields lead apart, and the guards may be
+    /// positive again.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
     /// The field and all `G` guards. A guard that does not exist is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);

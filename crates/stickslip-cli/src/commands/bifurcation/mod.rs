@@ -326,6 +326,9 @@ impl Sweep for Bifurcation {
                 sequence(row).map(|change| system.contact_names(&change.contacts))
             })
             .column("uncertainty", |(_, at)| at.what.uncertainty())
+            .column("criticality", |(_, at)| {
+                at.what.criticality().map(|side| side.to_string())
+            })
             .column("before", phases(0))
             .column("after", phases(1))
             .state(system, "", |(_, at)| at.what.state().cloned());

@@ -276,6 +276,7 @@ fn orbit(
                     what,
                     x: states(at.x),
                     period: at.period,
+                    criticality: at.normal_form.and_then(|form| form.criticality()),
                 });
             }
         }

@@ -11,6 +11,7 @@ use super::attractors::{
 use super::continuation::CycleBifurcation;
 use super::cycle::{SequenceChange, StepBudget};
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
+use super::normal_form::Criticality;
 use crate::dynamics::{AsDynamics, Components, Dynamics, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
@@ -130,6 +131,9 @@ pub enum WhatChanges {
         x: Vector,
         /// Period.
         period: f64,
+        /// Side on which orbits branch off at a flip or Neimark–Sacker bifurcation; `None` where
+        /// it is not determined, and of others.
+        criticality: Option<Criticality>,
     },
     /// The change was not followed to its place, to save work; see [`locate_changes_within`].
     NotFollowed(NotFollowed),
@@ -203,6 +207,15 @@ impl WhatChanges {
         match self {
             WhatChanges::Sequence(SequenceChange { period, .. })
             | WhatChanges::Multiplier { period, .. } => Some(*period),
+            _ => None,
+        }
+    }
+
+    /// The side on which orbits branch off at a flip or Neimark–Sacker bifurcation, where it is
+    /// determined.
+    pub fn criticality(&self) -> Option<Criticality> {
+        match self {
+            WhatChanges::Multiplier { criticality, .. } => *criticality,
             _ => None,
         }
     }

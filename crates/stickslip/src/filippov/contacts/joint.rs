@@ -20,9 +20,9 @@ pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w) s` with `w`
-/// the weight of the field above and `s` the strength of friction. The strength is the difference
-/// of the contact's rates below and above if it alone holds, else 1. A weight at its limit ends
-/// stick, and so does a strength that vanishes, as at a two-fold.
+/// the weight of the field above and `s` the strength of friction: the difference of the contact's
+/// rates below and above, while the contacts before it hold. A weight at its limit ends stick, and
+/// so does a strength that vanishes, as at a two-fold. Contacts that share loads have strength 1.
 #[derive(Clone, Copy)]
 pub(super) struct ContactFlow<'a, S, const M: usize> {
     pub(super) system: &'a S,
@@ -43,8 +43,8 @@ pub(super) struct FieldCombination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
     /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
-    /// Strength of friction of the only holding contact; 1 if several hold.
-    strength: T,
+    /// Strength of friction of every holding contact, in their order.
+    strengths: [T; M],
 }
 
 impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
@@ -52,7 +52,7 @@ impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
     #[inline(always)]
     fn stick_guard(&self, index: usize) -> T {
         let share = self.shares[index];
-        share * (-share + 1.0) * self.strength
+        share * (-share + 1.0) * self.strengths[index]
     }
 }
 
@@ -218,19 +218,15 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         solve(&mut matrix, &mut shares, self.count);
         if S::MULTI_AFFINE && self.count > 1 {
             for _ in 0..NEWTON_STEPS {
-                self.newton(t, x, &mut shares);
+                matrix = self.newton(t, x, &mut shares);
             }
             return FieldCombination {
                 field: self.multi_affine(t, x, &shares).0,
                 shares,
-                strength: T::one(),
+                strengths: strengths(&matrix),
             };
         }
-        let strength = match self.count {
-            1 => -matrix[0][0],
-            _ => T::one(),
-        };
-        self.combined(affine, shares, strength)
+        self.combined(affine, shares, strengths(&matrix))
     }
 
     /// The combination with these weights.
@@ -239,7 +235,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         &self,
         affine: CornerFields<T, N, M>,
         shares: [T; M],
-        strength: T,
+        strengths: [T; M],
     ) -> FieldCombination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
@@ -251,7 +247,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         FieldCombination {
             field,
             shares,
-            strength,
+            strengths,
         }
     }
 
@@ -297,7 +293,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
                     shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
-        self.combined(affine, shares, T::one())
+        self.combined(affine, shares, [T::one(); M])
     }
 
     /// Whether a holding contact affects the rates of others only, and they affect its own.
@@ -347,9 +343,15 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         })
     }
 
-    /// One Newton step for the weights of a multi-affine combination.
+    /// One Newton step for the weights of a multi-affine combination. Returns its matrix, after
+    /// elimination.
     #[inline(never)]
-    fn newton<T: Scalar, const N: usize>(&self, t: T, x: &[T; N], shares: &mut [T; M])
+    fn newton<T: Scalar, const N: usize>(
+        &self,
+        t: T,
+        x: &[T; N],
+        shares: &mut [T; M],
+    ) -> [[T; M]; M]
     where
         S: Contacts<N, M>,
     {
@@ -368,6 +370,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         for index in 0..self.count {
             shares[index] = shares[index] - step[index];
         }
+        matrix
     }
 
     /// The multi-affine combination of all corners, and its derivative in every weight.
@@ -484,6 +487,13 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
+/// The strengths of friction, from the pivots of an elimination: the effect of each contact on its
+/// own rate while those before it hold.
+#[inline(always)]
+fn strengths<T: Scalar, const M: usize>(eliminated: &[[T; M]; M]) -> [T; M] {
+    std::array::from_fn(|k| -eliminated[k][k])
+}
+
 /// Gradients of the boundary functions in the first components of the state, whose number is given.
 pub(super) fn gradients<S: Contacts<N, M>, const N: usize, const M: usize>(
     system: &S,
@@ -560,10 +570,12 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<
     }
 
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
-        match self.count {
-            1 => self.combination(t, x).strength,
-            _ => T::zero(),
+        if self.count == 0 || self.shares_load {
+            return T::zero();
         }
+        let strengths = self.combination(t, x).strengths;
+        let held = strengths.iter().skip(1).take(self.count - 1);
+        held.fold(strengths[0], |least, strength| least.min(*strength))
     }
 
     #[inline(always)]
