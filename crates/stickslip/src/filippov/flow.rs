@@ -140,10 +140,14 @@ pub trait Flow<const N: usize> {
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
-    /// The least rate at which the fields of both sides lead towards a boundary along which the mode
-    /// slides; zero without one. Where it is negative, the fields lead apart, and the guards may be
-    /// positive again.
+    /// Positive where the fields of both sides lead towards the boundary along which the mode slides,
+    /// and zero without one. Where it is negative, the fields lead apart, and the guards may be
+    /// positive again. With several, it is so if the others are held.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
+    /// Whether all guards may stay positive at a two-fold, as where several contacts hold.
+    fn may_hide_two_fold(&self) -> bool {
+        false
+    }
     /// The field and all `G` guards. A guard that does not exist is constant.
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]);
 
@@ -327,6 +331,10 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
     #[inline(never)]
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         self.0.attraction(t, x)
+    }
+
+    fn may_hide_two_fold(&self) -> bool {
+        self.0.may_hide_two_fold()
     }
     #[inline(never)]
     fn field_and_guards<T: Scalar, const G: usize>(&self, t: T, x: &[T; N]) -> ([T; N], [T; G]) {

@@ -226,7 +226,14 @@ impl<const N: usize, const G: usize> StepState<N, G> {
         let states = step.enclosure::<M>(&self.at.x, h);
         let times = Interval::new(self.at.t, self.at.t + h);
         let is_finite = states.iter().all(|range| range.high.is_finite());
-        is_finite && flow.are_clear(times, &states) == [true; G]
+        let leads_back = || {
+            let at = Timed {
+                t: self.at.t + h,
+                x: step.end,
+            };
+            !flow.may_hide_two_fold() || attracts(flow, &at, &self.options)
+        };
+        is_finite && flow.are_clear(times, &states) == [true; G] && leads_back()
     }
 
     /// The first guard that fails in the step, and where.
@@ -263,7 +270,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
         };
         match first {
             None if is_undefined => Err(Undefined),
-            None if clear == [true; G] => Ok(None),
+            None if clear == [true; G] && !origin.flow.may_hide_two_fold() => Ok(None),
             // A slide cannot pass a two-fold, behind which its boundary repels.
             _ if !is_possible() => Err(Undefined),
             first => Ok(first),

@@ -432,7 +432,7 @@ impl<'a> Continuation<'a> {
             CycleBifurcation::NeimarkSacker { angle } => CriticalPair::Angle(*angle),
             _ => return None,
         };
-        if self.shooting.budget.is_some() {
+        if self.shooting.budget.is_some_and(StepBudget::is_spent) {
             return None;
         }
         // The nearest orbit that was computed may lie beside the zero.

@@ -20,9 +20,9 @@ pub(super) const NEGLIGIBLE_FRICTION: f64 = 1e-9;
 
 /// Contacts that hold or slip, and the resulting field. Guard `i` belongs to contact `i`. In slip
 /// it is the boundary function times the sign of the side. In stick it is `w (1 − w) s` with `w`
-/// the weight of the field above and `s` the strength of friction: the difference of the contact's
-/// rates below and above, while the contacts before it hold. A weight at its limit ends stick, and
-/// so does a strength that vanishes, as at a two-fold. Contacts that share loads have strength 1.
+/// the weight of the field above and `s` the strength of friction. The strength is the difference
+/// of the contact's rates below and above if it alone holds, else 1. A weight at its limit ends
+/// stick, and so does a strength that vanishes, as at a two-fold.
 #[derive(Clone, Copy)]
 pub(super) struct ContactFlow<'a, S, const M: usize> {
     pub(super) system: &'a S,
@@ -43,8 +43,11 @@ pub(super) struct FieldCombination<T, const N: usize, const M: usize> {
     pub(super) field: [T; N],
     /// The weight of the field above for every holding contact, in their order.
     pub(super) shares: [T; M],
-    /// Strength of friction of every holding contact, in their order.
-    strengths: [T; M],
+    /// Pivots of the effects of the holding contacts on their rates, in their order; −1 where they
+    /// share their loads.
+    pivots: [T; M],
+    /// Strength of friction of the only holding contact; 1 if several hold.
+    strength: T,
 }
 
 impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
@@ -52,7 +55,7 @@ impl<T: Scalar, const N: usize, const M: usize> FieldCombination<T, N, M> {
     #[inline(always)]
     fn stick_guard(&self, index: usize) -> T {
         let share = self.shares[index];
-        share * (-share + 1.0) * self.strengths[index]
+        share * (-share + 1.0) * self.strength
     }
 }
 
@@ -223,10 +226,15 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
             return FieldCombination {
                 field: self.multi_affine(t, x, &shares).0,
                 shares,
-                strengths: strengths(&matrix),
+                pivots: diagonal(&matrix),
+                strength: T::one(),
             };
         }
-        self.combined(affine, shares, strengths(&matrix))
+        let strength = match self.count {
+            1 => -matrix[0][0],
+            _ => T::one(),
+        };
+        self.combined(affine, shares, (diagonal(&matrix), strength))
     }
 
     /// The combination with these weights.
@@ -235,7 +243,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         &self,
         affine: CornerFields<T, N, M>,
         shares: [T; M],
-        strengths: [T; M],
+        (pivots, strength): ([T; M], T),
     ) -> FieldCombination<T, N, M> {
         let mut field = affine.base;
         let each = shares.iter().zip(&affine.changes).take(self.count);
@@ -247,7 +255,8 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         FieldCombination {
             field,
             shares,
-            strengths,
+            pivots,
+            strength,
         }
     }
 
@@ -293,7 +302,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
                     shares[index] + weights[index] * affine.slopes[row][index] * loads[j];
             }
         }
-        self.combined(affine, shares, [T::one(); M])
+        self.combined(affine, shares, ([-T::one(); M], T::one()))
     }
 
     /// Whether a holding contact affects the rates of others only, and they affect its own.
@@ -343,7 +352,7 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
         })
     }
 
-    /// One Newton step for the weights of a multi-affine combination. Returns its matrix, after
+    /// One Newton step for the weights of a multi-affine combination. Returns its matrix after
     /// elimination.
     #[inline(never)]
     fn newton<T: Scalar, const N: usize>(
@@ -487,11 +496,8 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
-/// The strengths of friction, from the pivots of an elimination: the effect of each contact on its
-/// own rate while those before it hold.
-#[inline(always)]
-fn strengths<T: Scalar, const M: usize>(eliminated: &[[T; M]; M]) -> [T; M] {
-    std::array::from_fn(|k| -eliminated[k][k])
+fn diagonal<T: Scalar, const M: usize>(matrix: &[[T; M]; M]) -> [T; M] {
+    std::array::from_fn(|k| matrix[k][k])
 }
 
 /// Gradients of the boundary functions in the first components of the state, whose number is given.
@@ -569,13 +575,22 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<
         }
     }
 
+    fn may_hide_two_fold(&self) -> bool {
+        self.count > 1 && !self.shares_load
+    }
+
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
-        if self.count == 0 || self.shares_load {
-            return T::zero();
+        match self.count {
+            0 => T::zero(),
+            1 => self.combination(t, x).strength,
+            // The determinant of the effects of friction on the rates. Where it vanishes, a contact
+            // is at a two-fold while the others hold.
+            _ => {
+                let pivots = self.combination(t, x).pivots;
+                let pivots = pivots.iter().take(self.count);
+                pivots.fold(T::one(), |product, pivot| product * -*pivot)
+            }
         }
-        let strengths = self.combination(t, x).strengths;
-        let held = strengths.iter().skip(1).take(self.count - 1);
-        held.fold(strengths[0], |least, strength| least.min(*strength))
     }
 
     #[inline(always)]

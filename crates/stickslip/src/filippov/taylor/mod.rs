@@ -356,7 +356,8 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         }
         let (mut at, mut remainder) = self.end(run);
         let (kink, is_tie) = self.first_kink();
-        let event = if self.is_clear || run.is_prescribed {
+        let is_clear = self.is_clear && !flow.may_hide_two_fold();
+        let event = if is_clear || run.is_prescribed {
             Ok(None)
         } else {
             let reach = kink.filter(|kink| kink.before < 1.0);
