@@ -506,7 +506,10 @@ fn a_slide_ends_at_a_two_fold_while_other_contacts_hold() {
                 assert!(is_two_fold, "{method} {tolerance} {text}: {ended:?}");
                 // No step resolves the last 5e-7.
                 let off = (ended.t - t).abs();
-                assert!(off < 1e-6 + 300.0 * tolerance, "{method} {tolerance} {text}: {off:e}");
+                assert!(
+                    off < 1e-6 + 300.0 * tolerance,
+                    "{method} {tolerance} {text}: {off:e}"
+                );
             }
         }
     }

@@ -213,7 +213,11 @@ fn located<'py>(
     table.numbers("from_value", changes.iter().map(|at| at.between.0))?;
     table.numbers("to_value", changes.iter().map(|at| at.between.1))?;
     table.optional_numbers("period", all().map(WhatChanges::period))?;
-    let side = |change: &WhatChanges| change.criticality().map_or(String::new(), |of| of.to_string());
+    let side = |change: &WhatChanges| {
+        change
+            .criticality()
+            .map_or(String::new(), |of| of.to_string())
+    };
     table.texts("criticality", all().map(side))?;
     let phases = |change: &WhatChanges| match change {
         WhatChanges::Sequence(change) => (

@@ -40,7 +40,7 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     x: &State<N>,
 ) -> Option<Vec<[ContactOutcome; M]>> {
     if S::MULTI_AFFINE && joint.count > 1 {
-        return all(joint.count, |outcomes| {
+        return combinations(joint.count, |outcomes| {
             is_consistent(joint, modes, outcomes, t, x)
         });
     }
@@ -50,11 +50,11 @@ pub(super) fn solutions<S: Contacts<N, M>, const N: usize, const M: usize>(
     {
         return Some(vec![consistent]);
     }
-    all(problem.count, |outcomes| problem.is_solved_by(outcomes))
+    combinations(problem.count, |outcomes| problem.is_solved_by(outcomes))
 }
 
-/// All sets of outcomes that pass.
-fn all<const M: usize>(
+/// All sets of so many outcomes that pass; `None` if there are too many to try.
+pub(super) fn combinations<const M: usize>(
     count: usize,
     passes: impl Fn(&[ContactOutcome; M]) -> bool,
 ) -> Option<Vec<[ContactOutcome; M]>> {

@@ -3,9 +3,9 @@
 use std::cell::OnceCell;
 
 use super::Contacts;
-use super::complementarity::solutions;
+use super::complementarity::{combinations, solutions};
 use super::equations::principal_minor;
-use super::joint::{ContactFlow, NEGLIGIBLE_FRICTION, gradients};
+use super::joint::{ContactFlow, NEGLIGIBLE_FRICTION, gradients, rates};
 use crate::error::{ContactFault, Error};
 use crate::filippov::flow::{Flow, flow_path, is_positive};
 use crate::filippov::rules::LieDerivatives;
@@ -44,6 +44,13 @@ struct InitialDerivatives<const M: usize> {
     /// Lie derivatives of the guards along the motion.
     derivatives: [LieDerivatives; M],
     blurs: [Uncertainty; M],
+}
+
+/// Modes with another one of a contact.
+fn with<const M: usize>(modes: &[Mode; M], contact: usize, mode: Mode) -> [Mode; M] {
+    let mut modes = *modes;
+    modes[contact] = mode;
+    modes
 }
 
 /// Sign of the numbers in a range; 0 if zero is among them, or within rounding of the bounds.
@@ -119,6 +126,110 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// Solves the complementarity problem of the contacts to be decided. With static above kinetic
     /// friction, a released contact changes the loads of the others, which are decided again.
     fn complement(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
+        let open = self.open;
+        self.complement_by_release(run)?;
+        let with_limits = |&i: &usize| open[i] && self.can_hold(i);
+        let decided: Vec<usize> = (0..self.system.contacts()).filter(with_limits).collect();
+        match decided.len() > 1 && self.system.has_static_friction() {
+            true => self.weigh_static_limits(&decided, run),
+            false => Ok(()),
+        }
+    }
+
+    /// Compares what [`Decision::complement_by_release`] has decided with the other motions that
+    /// static and kinetic friction allow. A contact that can stick does. A contact that stuck before
+    /// goes on to, if some motion lets all of those stick that did.
+    ///
+    /// # Errors
+    /// [`ContactFault::NoUniqueMode`] where several motions remain, and
+    /// [`ContactFault::TooManyContacts`] where they are too many to try.
+    fn weigh_static_limits(
+        &mut self,
+        decided: &[usize],
+        run: &mut StepState<N, M>,
+    ) -> Result<(), Error> {
+        let slips = |&i: &usize| self.modes[i] != Mode::Stick && self.has_static_friction(i);
+        let slipping: Vec<usize> = decided.iter().copied().filter(slips).collect();
+        if slipping.is_empty() {
+            return Ok(());
+        }
+        let stuck = |&i: &usize| self.before[i] == Mode::Stick;
+        let (kept, others): (Vec<usize>, Vec<usize>) = decided.iter().copied().partition(stuck);
+        let mut modes = self.modes;
+        for &i in &kept {
+            modes[i] = Mode::Stick;
+        }
+        let choices = [(modes, others), (self.modes, decided.to_vec())];
+        // All of one set may be tried where nothing else tells its motions apart.
+        const MOST_AT_ONCE: usize = 4;
+        let lets_go = slipping.iter().any(|i| kept.contains(i));
+        let is_torn = slipping.iter().any(|&i| {
+            run.counters.field_calls += M as u64;
+            self.agrees(decided, &with(&self.modes, i, Mode::Stick))
+        });
+        for (number, (modes, free)) in choices.into_iter().enumerate() {
+            let is_asked = match number {
+                0 => lets_go || is_torn && !kept.is_empty(),
+                _ => is_torn || (kept.is_empty() || lets_go) && free.len() <= MOST_AT_ONCE,
+            };
+            if !is_asked {
+                continue;
+            }
+            let Some(found) = combinations(free.len(), |outcomes| {
+                let mut modes = modes;
+                for (&i, outcome) in free.iter().zip(outcomes) {
+                    modes[i] = *outcome;
+                }
+                self.agrees(decided, &modes) && !self.can_stick_more(decided, &modes)
+            }) else {
+                let contacts = free;
+                let fault = ContactFault::TooManyContacts { contacts };
+                return Err(Error::at_contacts(&self.at, fault));
+            };
+            match &found[..] {
+                [] => {}
+                [one] => {
+                    for (&i, outcome) in free.iter().zip(one) {
+                        self.modes[i] = *outcome;
+                    }
+                    for &i in kept.iter().filter(|_| number == 0) {
+                        self.modes[i] = Mode::Stick;
+                    }
+                    return Ok(());
+                }
+                _ => return Err(self.no_unique_mode(&free, &found)),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a set of modes agrees with the rates and limits of the contacts to be decided, of
+    /// which those that stick have their static limits.
+    fn agrees(&self, decided: &[usize], modes: &[Mode; M]) -> bool {
+        let joint = ContactFlow::new(self.system, modes);
+        let joint = joint.with_shared_load(joint.hold_each_other(&self.at));
+        let (t, x) = (self.at.t, components(&self.at.x));
+        let combination = joint.combination(t, x);
+        let rates = rates(self.system, (t, 1.0), x, &combination.field);
+        let shares = joint.held().iter().zip(&combination.shares);
+        let mut of_decided = shares.filter(|(contact, _)| decided.contains(contact));
+        let is_slip = |&i: &usize| match modes[i] {
+            Mode::Stick => true,
+            Mode::Slip(side) => {
+                rates[i] * side.sign() > RELATIVE_ROUNDING * self.friction(i, false).abs()
+            }
+        };
+        of_decided.all(|(_, share)| (0.0..=1.0).contains(share)) && decided.iter().all(is_slip)
+    }
+
+    /// Whether one more contact can stick.
+    fn can_stick_more(&self, decided: &[usize], modes: &[Mode; M]) -> bool {
+        let mut slipping = decided.iter().filter(|&&i| modes[i] != Mode::Stick);
+        slipping.any(|&i| self.agrees(decided, &with(modes, i, Mode::Stick)))
+    }
+
+    /// [`Decision::complement`] by static limits of all. Those that slip then are released for good.
+    fn complement_by_release(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;
             for (mode, is_open) in tried.iter_mut().zip(self.open) {
