@@ -228,7 +228,7 @@ class Branch(Result):
         With `branches`: those that begin at its flips, with twice the period, and at its branch
         points. `begins` of each is the index of that orbit in `special`. With a `depth` above 1
         they have `branches` of their own.
-    curves : list of Curve
+    curves : list of BifurcationCurve
         With `also`: its special orbits in two parameters, except branch points, and its homoclinic
         and two-fold ends.
     begins : int or None
@@ -255,7 +255,7 @@ class Branch(Result):
     special: Table
     stops: tuple[str, str]
     branches: list[Branch]
-    curves: list[Curve]
+    curves: list[BifurcationCurve]
     begins: int | None
     bubble: int | None
     name: str
@@ -404,7 +404,7 @@ class EquilibriumBranch(Result):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Curve(Result):
+class BifurcationCurve(Result):
     """A special orbit of a branch, followed in two parameters.
 
     Attributes
@@ -479,7 +479,7 @@ class Curve(Result):
         return _draw_curve(self, axes)
 
 
-def _draw_curve(curve: Curve | EquilibriumCurve, axes: Any) -> Any:
+def _draw_curve(curve: BifurcationCurve | EquilibriumCurve, axes: Any) -> Any:
     axes = new_axes(axes)
     axes.plot(curve.parameter, curve.other, label=curve.what)
     for name in dict.fromkeys(curve.special["name"]):
@@ -958,7 +958,7 @@ def continuation(
     found["branches"] = all_branches[0]
     kinds = found["special"]["name"]
     found["curves"] = [
-        Curve(
+        BifurcationCurve(
             **{**one, "special": structured(one["special"], system.states)},
             what=str(kinds[begins]),
             begins=begins,
