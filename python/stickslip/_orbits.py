@@ -102,6 +102,22 @@ class PeriodicOrbit(Result):
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         return self.solution()._variables()
 
+    def _attributes(self) -> dict[str, Any]:
+        names = ("period", "multipliers", "multiplier_uncertainties", "stability", "phases")
+        more = ("in_stick", "family", "residual")
+        found = {name: getattr(self, name) for name in (*names, *more)}
+        return {name: value for name, value in found.items() if value is not None}
+
+    def to_xarray(self) -> Any:
+        """The orbit over one period as an `xarray.Dataset`.
+
+        Returns
+        -------
+        xarray.Dataset
+            Period, multipliers, stability and phases are its attributes.
+        """
+        return super().to_xarray()
+
     def _repr_html_(self) -> str:
         names = [name for name in self.keys() if name != "system"]
         return as_html({"field": names, "value": [self[name] for name in names]})
@@ -213,10 +229,11 @@ class Branch(Result):
         Its phases in letters.
     special : Table
         Special orbits, and bifurcations at which the branch ends: ``name``, ``parameter``,
-        ``uncertainty``, ``period``, ``criticality`` of flips and Neimark-Sacker bifurcations
-        (``"supercritical"``, ``"subcritical"``, or empty where that is not determined), phases
-        ``before`` and ``after``, a state ``y`` (NaN at an end), and ``behind``, the number of
-        orbits of the branch before it.
+        ``uncertainty``, ``period``, ``contacts`` of a change of the phases, ``angle`` of the
+        multipliers of a Neimark-Sacker bifurcation (else NaN), ``criticality`` of these and of
+        flips (``"supercritical"``, ``"subcritical"``, or empty where that is not determined),
+        phases ``before`` and ``after``, a state ``y`` (NaN at an end), and ``behind``, the number
+        of orbits of the branch before it.
     stops : (str, str)
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
         `most_points`, ``"closed"`` where it began, ``"flip"`` of the orbit of half the period,
@@ -281,6 +298,7 @@ class Branch(Result):
             "period": ("orbit", self.period),
             "stability": ("orbit", self.stability),
             "phases": ("orbit", self.phases),
+            "t": ("orbit", self.t),
             "y": (of_states, self.y),
             "y_min": (of_states, self.y_min),
             "y_max": (of_states, self.y_max),
@@ -465,6 +483,7 @@ class BifurcationCurve(Result):
         variables: dict[str, Any] = {
             "uncertainty": ("orbit", self.uncertainty),
             "period": ("orbit", self.period),
+            "t": ("orbit", self.t),
             "y": (("orbit", "state"), self.y),
         }
         own = {
