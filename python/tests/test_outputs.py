@@ -236,6 +236,20 @@ def test_tangent_points_and_exponents_have_the_columns_of_the_program(tmp_path):
     assert missing(header, spectrum) == []
 
 
+def test_a_fit_has_the_columns_of_the_program(tmp_path):
+    t = np.linspace(0.25, 10, 40)
+    system = block()
+    sol = ss.solve_ivp(system.with_parameters(mu0=0.45), (0, 10), t_eval=t)
+    data = np.c_[t, sol.y[0] + 0.001 * np.sin(100 * t)]
+    np.savetxt(tmp_path / "data.csv", data, delimiter=",", header="t,x", comments="", fmt="%.17g")
+    options = ["data.csv", "--fit", "mu0", "--observe", "x", "--bounds", "mu0=0.1:0.9"]
+    found = rows_of(tmp_path, system, "fit", *options)
+    fit = ss.fit(system, {"t": t, "x": data[:, 1]}, "mu0", {"x": x}, bounds={"mu0": (0.1, 0.9)})
+    assert missing(found["parameters"][0], fit) == []
+    (row,) = found["parameters"][1]
+    assert [float(row["lower_bound"]), float(row["upper_bound"])] == fit.bounds[0].tolist()
+
+
 def test_each_value_cell_attractor_and_row_has_its_reason():
     a, b = ss.parameters(a=0.5, b=1.0)
     # The logarithm has no value at the start where a is large.
