@@ -321,7 +321,8 @@ class Branch(Result):
             The state, by number or name; or ``"period"``.
         """
         axes = new_axes(axes)
-        if what == "period":
+        # A state compares with no text.
+        if isinstance(what, str) and what == "period":
             curves, label = [self.period], "period"
         else:
             k, label = column(self.system, what)

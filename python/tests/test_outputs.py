@@ -322,6 +322,16 @@ def test_data_sets_drop_nothing():
     assert edge.to_xarray().attrs["kind"] == edge.kind
 
 
+def test_a_branch_draws_a_state_by_its_symbol():
+    branch = ss.continuation(block(), "mu0", (0.38, 0.42))
+    for which in (v, "v", 1):
+        axes = branch.plot(what=which)
+        assert axes.get_ylabel() == "v"
+        assert np.nanmax(axes.lines[0].get_ydata()) == branch.y_max[:, 1].max()
+        matplotlib.pyplot.close(axes.figure)
+    assert branch.plot(what="period").get_ylabel() == "period"
+
+
 def test_every_result_has_a_figure():
     results = [one for one in vars(ss).values() if hasattr(one, "_columns")]
     assert len(results) > 18
