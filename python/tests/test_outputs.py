@@ -127,6 +127,19 @@ def test_an_orbit_has_the_columns_of_the_program(tmp_path):
     assert missing(found["transitions"][0], many.transitions) == []
 
 
+def test_a_periodic_orbit_has_the_columns_of_the_program(tmp_path):
+    found = rows_of(tmp_path, block(), "orbit")
+    orbit = ss.periodic_orbit(block())
+    assert [one for one in found["orbit"][0] if one not in (*orbit.keys(), "x", "v")] == []
+    assert len(found["multipliers"][1]) == len(orbit.multipliers)
+    own = [float(row["uncertainty"]) for row in found["multipliers"][1]]
+    assert own == orbit.multiplier_uncertainties.tolist()
+    sol = orbit.solution()
+    without = ["phase", "duration of phases"]
+    assert missing(found["phases"][0], sol.phases, without=without) == []
+    assert missing(found["transitions"][0], sol.transitions) == []
+
+
 def test_a_branch_has_the_columns_of_the_program(tmp_path):
     options = ["--parameter", "vp=0.4:0.8", "--also", "mu0=0.39:0.41", "--branches"]
     options += ["--set", "vp=0.5"]
