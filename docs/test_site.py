@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import stickslip
@@ -51,9 +52,33 @@ def test_every_function_of_expressions_is_listed():
 
 
 def test_every_name_of_the_package_is_listed():
-    listed = set(re.findall(r"^   (\w+)$|`ss\.(t|pi)`", page("python.md"), re.M))
-    listed = {one or other for one, other in listed}
-    assert listed == {name for name in stickslip.__all__ if not name.startswith("_")}
+    listed = re.findall(r"^   (\w+)$|`ss\.(t|pi)`", page("python.md"), re.M)
+    listed = [one or other for one, other in listed]
+    # A name that is listed twice would be two things.
+    assert sorted(listed) == sorted(name for name in stickslip.__all__ if name[0] != "_")
+
+
+def test_a_name_of_the_package_means_one_thing():
+    """What a module calls by the name of a thing at top level is that thing, and every result is
+    at top level and in the table of results."""
+    modules = {key: one for key, one in sys.modules.items() if key.startswith("stickslip._")}
+    del modules["stickslip._core"]
+    own = {
+        (module, name): one
+        for module, of in modules.items()
+        for name, one in vars(of).items()
+        if getattr(one, "__module__", None) == module and name[0] != "_"
+    }
+    assert len(own) > 100
+    for (module, name), one in own.items():
+        if inspect.isclass(one) and name in stickslip.__all__:
+            assert getattr(stickslip, name) is one, f"{module}.{name}"
+    told = (HERE / "how-to/tables.md").read_text(encoding="utf-8")
+    rows = "".join(re.findall(r"^\| (`.*?) \|", told, re.M))
+    results = {one for one in own.values() if inspect.isclass(one) and hasattr(one, "_columns")}
+    results = {one.__name__ for one in results} - {"Result"}
+    assert len(results) > 18 and results <= set(stickslip.__all__)
+    assert not [name for name in results if f"`{name}`" not in rows]
 
 
 def help_of(*command):

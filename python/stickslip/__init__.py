@@ -42,6 +42,7 @@ from ._errors import (
 from ._exponents import DataSpectrum, LyapunovSpectrum, lyapunov_from_data, lyapunov_spectrum
 from ._fit import FitResult, Record, SeenPhases, fit
 from ._orbits import (
+    BifurcationCurve,
     Branch,
     EquilibriumBranch,
     EquilibriumCurve,
@@ -89,6 +90,7 @@ __all__ = [
     "BasinEntropy",
     "BasinShares",
     "Basins",
+    "BifurcationCurve",
     "BifurcationDiagram",
     "Branch",
     "Condition",

@@ -22,7 +22,7 @@ from ._arguments import (
     start_of_each,
     threads,
 )
-from ._basins import BasinEntropy, UncertaintyExponent, entropy, exponent
+from ._basins import BasinEntropy, UncertaintyExponent, entropy, exponent, first_points
 from ._plot import draw_classes, new_axes
 from ._progress import progress_report
 from ._results import (
@@ -64,10 +64,16 @@ class BifurcationDiagram(Result):
         Largest Lyapunov exponent, its standard error and its uncertainty. The uncertainty is four
         standard errors, or ln 30 divided by the measured time if that is larger. NaN without a
         measurement.
+    reason : list of str
+        Why the run failed or its exponent could not be measured; else empty.
     changes : Table
         Changes of the attractor: ``name``, ``parameter`` (NaN if not located), ``uncertainty``,
-        ``from_value`` and ``to_value`` (the values of the diagram on both sides), ``period``,
+        ``contacts`` at which the phases change, ``from_value`` and ``to_value`` (the values of the
+        diagram on both sides), ``period``,
         ``criticality`` of a flip or torus, phases ``before`` and ``after``, and a state ``y``.
+    sticks : Table
+        Phases of the periodic attractors in which a contact sticks: the value of the ``parameter``,
+        the ``duration``, and the ``length``, the change of each state.
     name : str
         The parameter.
     system : System
@@ -84,7 +90,9 @@ class BifurcationDiagram(Result):
     exponent: Floats
     std_error: Floats
     uncertainty: Floats
+    reason: list[str]
     changes: Table
+    sticks: Table
     name: str
     system: System
 
@@ -99,6 +107,7 @@ class BifurcationDiagram(Result):
             "exponent": self.exponent,
             "std_error": self.std_error,
             "uncertainty": self.uncertainty,
+            "reason": self.reason,
         }
 
     def to_pandas(self, points: bool = False) -> Any:
@@ -162,9 +171,9 @@ class Basins(Result):
         The starts.
     reached : ndarray of int, shape (…)
         Index of each start's attractor in the lists; -1 if Ctrl-C came before its computation.
-    kind, period, returns, phases, in_stick, points
+    kind, period, returns, phases, in_stick, points, reason
         Of each attractor, as in `BifurcationDiagram`. All escapes are one entry, and so are all
-        failures.
+        failures, with the reason of the first.
     system : System
         The system.
     return_time : ndarray, shape (…), or None
@@ -181,15 +190,20 @@ class Basins(Result):
     phases: list[str]
     in_stick: Floats
     points: list[Floats]
+    reason: list[str]
     system: System
     return_time: Floats | None = None
 
     @property
     def shares(self) -> Floats:
         """Fraction of the starts that lead to each attractor."""
-        counts = np.bincount(self.reached[self.reached >= 0], minlength=len(self.kind))
+        counts = self._counts()
         shares: Floats = counts / max(1, counts.sum())
         return shares
+
+    def _counts(self) -> NDArray[np.int64]:
+        """Number of the starts that lead to each attractor."""
+        return np.bincount(self.reached[self.reached >= 0], minlength=len(self.kind))
 
     @property
     def std_errors(self) -> Floats:
@@ -264,7 +278,8 @@ class Basins(Result):
     @property
     def attractors(self) -> Table:
         """A table of the attractors: ``kind``, ``phases``, ``period``, ``returns``, ``in_stick``,
-        ``share`` and its ``std_error``. With return times also ``mean_return``, its standard error
+        number of ``starts``, ``share`` and its ``std_error``, ``reason`` of failures, and a state
+        ``y``, NaN without one. With return times also ``mean_return``, its standard error
         ``mean_return_error`` and ``largest_return``; NaN where no start returns."""
         columns = {
             "kind": list(self.kind),
@@ -272,8 +287,11 @@ class Basins(Result):
             "period": self.period,
             "returns": self.returns,
             "in_stick": self.in_stick,
+            "starts": self._counts(),
             "share": self.shares,
             "std_error": self.std_errors,
+            "reason": list(self.reason),
+            "y": first_points(self.points, len(self.system.states)),
         }
         if self.return_time is not None:
             each = [self.return_time[self.reached == k] for k in range(len(self.kind))]
@@ -287,7 +305,7 @@ class Basins(Result):
             columns["mean_return_error"] = np.array(error)
             columns["largest_return"] = np.array([times.max(initial=-np.inf) for times in each])
             columns["largest_return"][np.isneginf(columns["largest_return"])] = np.nan
-        return structured(columns)
+        return structured(columns, self.system.states)
 
     def _columns(self) -> dict[str, Any]:
         reached = self.reached.ravel()
@@ -306,17 +324,26 @@ class Basins(Result):
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         names = self.system.states
         table = self.attractors
-        columns = [name for name in table.dtype.names or ()]
+        columns = [name for name in table.dtype.names or () if not name.startswith("y.")]
         variables: dict[str, Any] = {name: ("attractor", table[name]) for name in columns}
+        variables["y"] = (("attractor", "state"), table["y"])
         if self._is_grid():
             axes = [names[int(np.ptp(self.starts, axis=k).max(axis=0).argmax())] for k in (0, 1)]
             first, second = (names.index(name) for name in axes)
             along = [self.starts[:, 0, first], self.starts[0, :, second]]
-            variables["reached"] = (tuple(axes), self.reached)
-            return variables, dict(zip(axes, along))
+            variables |= self._of_starts(tuple(axes), self.reached.shape)
+            return variables, {**dict(zip(axes, along)), "state": list(names)}
         rows = self.starts.reshape(-1, self.starts.shape[-1])
-        variables["reached"] = ("start", self.reached.ravel())
-        return variables, {name: ("start", rows[:, k]) for k, name in enumerate(names)}
+        variables |= self._of_starts(("start",), (len(rows),))
+        own = {name: ("start", rows[:, k]) for k, name in enumerate(names)}
+        return variables, {**own, "state": list(names)}
+
+    def _of_starts(self, axes: tuple[str, ...], shape: tuple[int, ...]) -> dict[str, Any]:
+        """The variables that each start has, along these axes."""
+        found: dict[str, Any] = {"reached": (axes, self.reached.reshape(shape))}
+        if self.return_time is not None:
+            found["return_time"] = (axes, self.return_time.reshape(shape))
+        return found
 
     def plot(self, axes: Any = None) -> Any:
         """Draws the basins over the two states that vary among the starts, and the attractors."""
@@ -366,6 +393,8 @@ class ParameterMap(Result):
     exponent, std_error, uncertainty : ndarray, shape (k, m)
         Largest Lyapunov exponent, its standard error and its uncertainty, as in
         `BifurcationDiagram`.
+    reason : ndarray of str, shape (k, m)
+        Why the run of each cell failed or its exponent could not be measured; else empty.
     names : (str, str)
         The parameters.
     """
@@ -380,11 +409,12 @@ class ParameterMap(Result):
     exponent: Floats
     std_error: Floats
     uncertainty: Floats
+    reason: NDArray[np.str_]
     names: tuple[str, str]
 
     def _cells(self) -> dict[str, Any]:
         names = ("kind", "period", "returns", "phases", "in_stick")
-        measured = ("exponent", "std_error", "uncertainty")
+        measured = ("exponent", "std_error", "uncertainty", "reason")
         return {name: getattr(self, name) for name in (*names, *measured)}
 
     def _columns(self) -> dict[str, Any]:
@@ -505,8 +535,9 @@ def bifurcation_diagram(
             settings(options),
             report,
         )
-    warn_of_failures(found.pop("reason"), lambda k: f"{name} = {given[k]:g}")
-    found["changes"] = structured(found["changes"], system.states)
+    warn_of_failures(found["reason"], lambda k: f"{name} = {given[k]:g}")
+    for table in ("changes", "sticks"):
+        found[table] = structured(found[table], system.states)
     return make_result(found, BifurcationDiagram, name=name, system=system)
 
 
@@ -579,7 +610,7 @@ def basins_of_attraction(
             settings(options),
             report,
         )
-    reasons = [*found.pop("reason"), ""]
+    reasons = [*found["reason"], ""]
     each = [reasons[k] for k in found["reached"]]
     warn_of_failures(each, lambda k: f"the start {rows[k].tolist()}")
     found["reached"] = found["reached"].reshape(shape)
@@ -672,7 +703,7 @@ def parameter_map(
             report,
         )
     at = lambda k: f"{first} = {columns[k % shape[1]]:g}, {second} = {lines[k // shape[1]]:g}"
-    warn_of_failures(found.pop("reason"), at)
+    warn_of_failures(found["reason"], at)
     raised = {"raised": found.pop("raised", None)}
     cells: dict[str, Any] = {name: np.reshape(values, shape) for name, values in found.items()}
     return make_result(raised, ParameterMap, x=columns, y=lines, names=(first, second), **cells)

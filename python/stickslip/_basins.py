@@ -69,6 +69,18 @@ class BasinEntropy(Result):
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         return {name: ((), getattr(self, name)) for name in self.keys()}, {}
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draws both entropies with their standard errors, and ln 2, above which the boundary is
+        fractal."""
+        axes = new_axes(axes)
+        labels = [f"all {self.boxes}", f"{self.boundary_boxes} on boundaries"]
+        errors = [self.sb_std_error, self.sbb_std_error]
+        axes.bar(labels, [self.sb, self.sbb], yerr=errors, capsize=4, width=0.5)
+        axes.axhline(np.log(2), color="0.5", ls="--", label="ln 2")
+        axes.set(xlabel="boxes", ylabel="basin entropy")
+        axes.legend()
+        return axes
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class UncertaintyExponent(Result):
@@ -214,6 +226,10 @@ class EdgeState(Result):
         coordinates = {"t": self.t, "state": list(self.system.states)}
         return {"track": (("t", "state"), self.track), "y": ("state", self.y)}, coordinates
 
+    def _attributes(self) -> dict[str, Any]:
+        names = ("kind", "period", "unstable", "bisections", "beside")
+        return {name: getattr(self, name) for name in names}
+
     def plot(self, axes: Any = None, states: Sequence[int | str | State] = (0, 1)) -> Any:
         """Draws the track and the edge state over two states; a single state over time.
 
@@ -250,10 +266,14 @@ class BasinShares(Result):
         First and last value at which a band is there.
     value, band, starts : ndarray of int, shape (r,)
         A row for each attractor at each value: indices of value and band, and number of starts.
-    kinds : list of str
-        Kind of motion of each row.
+    kinds, row_phases : list of str
+        Kind of motion and phases of each row.
     period, in_stick : ndarray, shape (r,)
         Period and fraction of time in stick of each row, as in `BifurcationDiagram`.
+    returns : ndarray of int, shape (r,)
+        Number of section points in a period of each row, else 0.
+    reason : list of str
+        Why the runs of each row failed; else empty.
     points : list of ndarray, shape (·, n)
         Points of each row's attractor.
     name : str
@@ -273,8 +293,11 @@ class BasinShares(Result):
     band: NDArray[np.int64]
     starts: NDArray[np.int64]
     kinds: list[str]
+    row_phases: list[str]
     period: Floats
     in_stick: Floats
+    returns: NDArray[np.int64]
+    reason: list[str]
     points: list[Floats]
     name: str
     system: System
@@ -284,11 +307,15 @@ class BasinShares(Result):
             self.name: self.parameter[self.value],
             "band": self.band,
             "kind": self.kinds,
+            "phases": self.row_phases,
             "period": self.period,
+            "returns": self.returns,
             "in_stick": self.in_stick,
             "starts": self.starts,
             "share": self.shares[self.value, self.band],
             "std_error": self.std_errors[self.value, self.band],
+            **states_of(self.system, first_points(self.points, len(self.system.states))),
+            "reason": self.reason,
         }
 
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -545,7 +572,7 @@ def basin_shares(
             report,
         )
     value, band = found["value"], found["band"]
-    warn_of_failures(found.pop("reason"), lambda k: f"{name} = {given[value[k]]:g}")
+    warn_of_failures(found["reason"], lambda k: f"{name} = {given[value[k]]:g}")
     bands = int(band.max()) + 1 if len(band) else 0
     shares = np.zeros((len(found["parameter"]), bands))
     errors = np.zeros_like(shares)
@@ -553,7 +580,6 @@ def basin_shares(
     errors[value, band] = found.pop("std_error")
     ends = [np.flatnonzero(band == k)[[0, -1]] for k in range(bands)]
     phases, kinds = found.pop("phases"), found.pop("kind")
-    found.pop("returns")
     return make_result(
         found,
         BasinShares,
@@ -564,9 +590,17 @@ def basin_shares(
         first=np.array([given[value[first]] for first, _ in ends]),
         last=np.array([given[value[last]] for _, last in ends]),
         kinds=kinds,
+        row_phases=phases,
         name=name,
         system=system,
     )
+
+
+def first_points(points: list[Floats], states: int) -> Floats:
+    """The first point of each attractor; NaN where there is none."""
+    nowhere = np.full(states, np.nan)
+    rows = [own[0] if len(own) else nowhere for own in points]
+    return np.array(rows).reshape(len(rows), states)
 
 
 def entropy(reached: NDArray[np.int64], side: int) -> BasinEntropy:

@@ -124,7 +124,7 @@ def ensemble(
     span: tuple[float, float],
     most: Sequence[int],
     t_eval: NDArray[np.float64] | None,
-    workers: int,
+    how: tuple[int, bool],
     settings: _Settings,
     report: _Report,
 ) -> _Found: ...

@@ -25,9 +25,17 @@ from ._arguments import (
 )
 from ._plot import new_axes
 from ._progress import progress_report
-from ._results import Result, call_engine, make_result, states_of, warn_of_doubts, warn_of_failures
+from ._results import (
+    Result,
+    call_engine,
+    column,
+    make_result,
+    states_of,
+    warn_of_doubts,
+    warn_of_failures,
+)
 from ._run import Event, Solution, event
-from ._symbols import Expression, Parameter, out_of_bounds, readable
+from ._symbols import Expression, Parameter, State, out_of_bounds, readable
 from ._system import System
 from ._tables import Table, structured
 
@@ -172,21 +180,21 @@ class Ensemble(Result):
             coordinates[name] = ("orbit", values)
         return variables, coordinates
 
-    def plot(self, axes: Any = None, state: int = 0) -> Any:
+    def plot(self, axes: Any = None, state: int | str | State = 0) -> Any:
         """Draws a state of the orbits against time; without `y`, the ends against the starts.
 
         Parameters
         ----------
-        state : int, optional
-            The number of the state.
+        state : int, str or State, optional
+            The state, by number or name.
         """
         axes = new_axes(axes)
-        name = self.system.states[state]
+        k, name = column(self.system, state)
         if self.y is None or len(self.t) < 2:
-            axes.plot(self.y0[state], self.y_end[state], ".", ms=3)
+            axes.plot(self.y0[k], self.y_end[k], ".", ms=3)
             axes.set(xlabel=f"{name} at the start", ylabel=f"{name} at the end")
         else:
-            axes.plot(self.t, self.y[state, :MOST_CURVES].T, lw=0.7)
+            axes.plot(self.t, self.y[k, :MOST_CURVES].T, lw=0.7)
             axes.set(xlabel="t", ylabel=name)
         return axes
 
@@ -263,6 +271,8 @@ def _solutions(
         )
     }
     t, y = (_split(found[name], found["points"]) for name in ("t", "y"))
+    forces = _split(found["forces"], found["points"]) if "forces" in found else None
+    acting = tuple(found.get("acting", ()))
     events = [
         [_split(one[name], one["counts"]) for one in found["events"]] for name in ("t", "y")
     ]
@@ -279,6 +289,8 @@ def _solutions(
             transitions=tables["transitions"][k],
             phases=tables["phases"][k],
             system=system.with_parameters(own) if own else system,
+            forces=None if forces is None else forces[k].T,
+            _acting=acting,
         )
         for k, own in enumerate(values)
     ]
@@ -320,8 +332,8 @@ def ensemble(
     parameters : dict, optional
         Values of parameters, by parameter or name: one, or one for each orbit.
     reduce : function, optional
-        It receives the `Solution` of each orbit, in the order of the starts, and returns a number
-        or an array. These are kept, and orbits, transitions and events are not: the memory does not
+        It receives the `Solution` of each orbit, with `forces`, in the order of the starts, and
+        returns a number or an array. These are kept, and orbits, transitions and events are not: the memory does not
         grow with their length.
     workers : int, optional
         Number of threads; -1 for all cores. The result does not depend on it.
@@ -395,7 +407,7 @@ def ensemble(
                 (t0, t_end),
                 [one.terminal for one in watched],
                 wanted,
-                threads(workers),
+                (threads(workers), reduce is not None),
                 made,
                 done,
             )
@@ -405,6 +417,7 @@ def ensemble(
                 reduced += [] if raised else [reduce(one) for one in solutions]
                 for name in ("t", "y", "transitions", "phases", "events"):
                     del found[name]
+                found.pop("forces", None)
             waves.append(found)
             if raised is not None:
                 break

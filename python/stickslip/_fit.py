@@ -213,6 +213,8 @@ class FitResult(Result):
         Standard errors; NaN where there is none.
     intervals : ndarray, shape (k, 2)
         Intervals with 95 % confidence, for a model that is linear within them.
+    bounds : ndarray, shape (k, 2)
+        Lowest and highest value that the search allows; infinite without a bound.
     at_bound : list of bool
         Whether a value is one of its bounds.
     covariance, correlations : ndarray, shape (k, k)
@@ -267,6 +269,7 @@ class FitResult(Result):
     start: Floats
     std_errors: Floats
     intervals: Floats
+    bounds: Floats
     at_bound: list[bool]
     covariance: Floats
     correlations: Floats
@@ -319,6 +322,8 @@ class FitResult(Result):
             "low": self.intervals[:, 0],
             "high": self.intervals[:, 1],
             "start": self.start,
+            "lower_bound": self.bounds[:, 0],
+            "upper_bound": self.bounds[:, 1],
             "at_bound": self.at_bound,
         }
 
@@ -361,7 +366,11 @@ class FitResult(Result):
                 rest = "as at the fit" if seen.same else f"another sequence, {fit} at the fit"
                 rows.append(f"  {contact} from {seen.column}: {data} sticks in the data, {rest}")
         for values, cost in self.others:
-            pairs = (f"{name} = {value:.8g}" for name, value in zip(self.names, values))
+            ends = zip(self.names, values, self.bounds)
+            pairs = (
+                f"{name} = {value:.8g}" + ("" if low < value < high else " (on its bound)")
+                for name, value, (low, high) in ends
+            )
             rows.append(f"  another minimum: {', '.join(pairs)}, cost {cost:.4e}")
         steps, runs, failed = self.work
         rows.append(f"  {self.ending}: {steps} steps, {runs} runs, {failed} of which failed")

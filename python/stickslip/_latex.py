@@ -6,8 +6,11 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
-# Precedence of operators, as formulas have it: `-x^2` is `-(x^2)`.
-_OR, _AND, _NOT, _COMPARED, _SUM, _PRODUCT, _SIGN, _POWER, _ATOM = range(9)
+# Precedence of operators, as formulas have it: `-x^2` is `-(x^2)`. A choice by cases ends nowhere,
+# so that it stands in brackets within any other formula. A decimal with a power of ten is a product
+# that needs no brackets as a factor. Roots and fractions are no bases of powers: an exponent beside
+# them reads as one of the numerator or of what is under the root.
+_CASES, _OR, _AND, _NOT, _COMPARED, _SUM, _PRODUCT, _SIGN, _DECIMAL, _POWER, _ATOM = range(11)
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TOKEN = re.compile(rf"\s*(?:({_NUMBER})|([^\W\d][\w.]*)|([<>]=|.))")
@@ -85,7 +88,8 @@ class _Parser:
         if self._peek() in _SIGNS:
             sign = _SIGNS[self._peek()]
             self._next()
-            return f"{left} {sign} {self._sum()[0]}", _COMPARED
+            right = _within(*self._sum(), _SUM)
+            return f"{_within(left, binds, _SUM)} {sign} {right}", _COMPARED
         return left, binds
 
     def _sum(self) -> tuple[str, int]:
@@ -93,7 +97,8 @@ class _Parser:
         while self._peek() in ("+", "-"):
             sign = self._next()[2]
             right, inner = self._product()
-            left, binds = f"{left} {sign} {_within(right, inner, _PRODUCT)}", _SUM
+            left = _within(left, binds, _SUM)
+            left, binds = f"{left} {sign} {_unsigned(right, inner, _PRODUCT)}", _SUM
         return left, binds
 
     def _product(self) -> tuple[str, int]:
@@ -102,7 +107,7 @@ class _Parser:
             sign = self._next()[2]
             right, inner = self._signed()
             if sign == "/":
-                left, binds = rf"\frac{{{left}}}{{{right}}}", _ATOM
+                left, binds = rf"\frac{{{left}}}{{{right}}}", _POWER
             else:
                 left, binds = _product(left, binds, right, inner), _PRODUCT
         return left, binds
@@ -111,7 +116,7 @@ class _Parser:
         if self._peek() == "-":
             self._next()
             inner, binds = self._signed()
-            return f"-{_within(inner, binds, _PRODUCT)}", _SIGN
+            return f"-{_unsigned(inner, binds, _PRODUCT)}", _SIGN
         return self._power()
 
     def _power(self) -> tuple[str, int]:
@@ -125,7 +130,7 @@ class _Parser:
     def _atom(self) -> tuple[str, int]:
         number, name, sign = self._next()
         if number is not None:
-            return _number(number), _ATOM
+            return _number(number)
         if name is not None:
             return self._named(name)
         if sign != "(":
@@ -141,41 +146,48 @@ class _Parser:
         of = []
         while self._next()[2] in ("(", ","):
             of.append(self.whole()[0])
-        return _call(name, of), _ATOM
+        return _call(name, of)
 
 
-def _call(name: str, of: list[str]) -> str:
+def _call(name: str, of: list[str]) -> tuple[str, int]:
     if name == "sqrt":
-        return rf"\sqrt{{{of[0]}}}"
+        return rf"\sqrt{{{of[0]}}}", _POWER
     if name == "abs":
-        return rf"\left|{of[0]}\right|"
+        return rf"\left|{of[0]}\right|", _ATOM
     if name == "friction":
-        return rf"F_{{{of[0]}}}"
+        return rf"F_{{{of[0]}}}", _ATOM
     if name == "if":
         rows = rf"{of[1]} & \text{{if }} {of[0]} \\ {of[2]} & \text{{otherwise}}"
-        return rf"\begin{{cases}} {rows} \end{{cases}}"
+        return rf"\begin{{cases}} {rows} \end{{cases}}", _CASES
     if name == "by_side":
         below, above = (rf"{of[k]} & {of[0]} {sign} 0" for k, sign in ((1, "<"), (2, ">")))
-        return rf"\begin{{cases}} {below} \\ {above} \end{{cases}}"
+        return rf"\begin{{cases}} {below} \\ {above} \end{{cases}}", _CASES
     known = _NAMES.get(name, rf"\operatorname{{{name}}}")
-    return rf"{known}\left({', '.join(of)}\right)"
+    return rf"{known}\left({', '.join(of)}\right)", _ATOM
 
 
-def _number(text: str) -> str:
+def _number(text: str) -> tuple[str, int]:
     plain = text.removesuffix(".0")
     digits, _, power = plain.lower().partition("e")
-    return rf"{digits} \cdot 10^{{{int(power)}}}" if power else plain
+    return (rf"{digits} \cdot 10^{{{int(power)}}}", _DECIMAL) if power else (plain, _ATOM)
 
 
 def _product(left: str, binds: int, right: str, inner: int) -> str:
     """A product. Before a bracket there is a sign, so that it is no call of a function."""
-    a, b = _within(left, binds, _PRODUCT), _within(right, inner, _POWER)
-    is_apart = b[:1].isdigit() or b.startswith(r"\left(")
+    a, b = _within(left, binds, _PRODUCT), _within(right, inner, _DECIMAL)
+    # A number and a fraction side by side would be read as their sum.
+    is_mixed = a[-1:].isdigit() and b.startswith(r"\frac")
+    is_apart = b[:1].isdigit() or b.startswith(r"\left(") or is_mixed
     return rf"{a} \cdot {b}" if is_apart else rf"{a}\,{b}"
 
 
 def _within(text: str, binds: int, least: int) -> str:
     return text if binds >= least else rf"\left({text}\right)"
+
+
+def _unsigned(text: str, binds: int, least: int) -> str:
+    """A part behind a sign, which does not begin with another one."""
+    return _within(text, _OR if text.startswith("-") else binds, least)
 
 
 def latex(text: str) -> str:
@@ -185,6 +197,11 @@ def latex(text: str) -> str:
 
 def _formula(value: Any) -> str:
     return latex(str(value))
+
+
+def _side(value: Any) -> str:
+    """A formula as a side of an equation or a term of a sum."""
+    return _within(*_Parser(str(value)).whole(), _SUM)
 
 
 def _reaction(stop: str) -> str:
@@ -210,10 +227,10 @@ def system_latex(file: Mapping[str, Any]) -> str:
     stops = file.get("stops", {})
     lines = []
     for state, rate in file["field"].items():
-        text = _formula(rate)
-        for name, stop in stops.items():
-            if state in stop.get("acts", {}):
-                text += _added(_reaction(name), str(stop["acts"][state]))
+        acting = [name for name, stop in stops.items() if state in stop.get("acts", {})]
+        text = _side(rate) if acting else _formula(rate)
+        for name in acting:
+            text += _added(_reaction(name), str(stops[name]["acts"][state]))
         lines.append(rf"\dot{{{symbol(state)}}} &= {text}")
     for name, value in file.get("definitions", {}).items():
         lines.append(rf"{symbol(name)} &= {_formula(value)}")
@@ -228,15 +245,16 @@ def system_latex(file: Mapping[str, Any]) -> str:
         lines.append(rf"0 &\le {gap} \perp {_reaction(name)} \ge 0")
         speed = rf"\dot{{{gap}}}"
         factor = _Parser(str(stop.get("restitution", 0))).whole()
-        behind = "0" if factor[0] == "0" else f"-{_product(*factor, speed, _ATOM)}"
+        product = _unsigned(_product(*factor, speed, _ATOM), _PRODUCT, _PRODUCT)
+        behind = "0" if factor[0] == "0" else f"-{product}"
         lines.append(rf"{gap} = 0 &: {speed} \to {behind}")
-    lines += [_jump(jump) for jump in file.get("jumps", {}).values()]
+    lines += [" &: ".join(jump_latex(jump)) for jump in file.get("jumps", {}).values()]
     return "$$\\begin{aligned} " + r" \\ ".join(lines) + " \\end{aligned}$$"
 
 
-def _jump(jump: Mapping[str, Any]) -> str:
-    """A line for a jump: where it happens, and what it does."""
-    when = f"{_formula(jump['when'])} = 0"
+def jump_latex(jump: Mapping[str, Any]) -> tuple[str, str]:
+    """Where a jump happens, and what it does."""
+    when = f"{_side(jump['when'])} = 0"
     if jump.get("direction", "both") != "both":
         when += rf"\ \text{{({jump['direction']})}}"
     if "if" in jump:
@@ -247,4 +265,4 @@ def _jump(jump: Mapping[str, Any]) -> str:
         changes.append(r"\text{end}")
     if "count" in jump:
         changes.append(rf"\text{{end after {jump['count']}}}")
-    return rf"{when} &: " + r",\ ".join(changes)
+    return when, r",\ ".join(changes)

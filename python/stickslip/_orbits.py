@@ -102,6 +102,22 @@ class PeriodicOrbit(Result):
     def _variables(self) -> tuple[dict[str, Any], dict[str, Any]]:
         return self.solution()._variables()
 
+    def _attributes(self) -> dict[str, Any]:
+        names = ("period", "multipliers", "multiplier_uncertainties", "stability", "phases")
+        more = ("in_stick", "family", "residual")
+        found = {name: getattr(self, name) for name in (*names, *more)}
+        return {name: value for name, value in found.items() if value is not None}
+
+    def to_xarray(self) -> Any:
+        """The orbit over one period as an `xarray.Dataset`.
+
+        Returns
+        -------
+        xarray.Dataset
+            Period, multipliers, stability and phases are its attributes.
+        """
+        return super().to_xarray()
+
     def _repr_html_(self) -> str:
         names = [name for name in self.keys() if name != "system"]
         return as_html({"field": names, "value": [self[name] for name in names]})
@@ -213,10 +229,11 @@ class Branch(Result):
         Its phases in letters.
     special : Table
         Special orbits, and bifurcations at which the branch ends: ``name``, ``parameter``,
-        ``uncertainty``, ``period``, ``criticality`` of flips and Neimark-Sacker bifurcations
-        (``"supercritical"``, ``"subcritical"``, or empty where that is not determined), phases
-        ``before`` and ``after``, a state ``y`` (NaN at an end), and ``behind``, the number of
-        orbits of the branch before it.
+        ``uncertainty``, ``period``, ``contacts`` of a change of the phases, ``angle`` of the
+        multipliers of a Neimark-Sacker bifurcation (else NaN), ``criticality`` of these and of
+        flips (``"supercritical"``, ``"subcritical"``, or empty where that is not determined),
+        phases ``before`` and ``after``, a state ``y`` (NaN at an end), and ``behind``, the number
+        of orbits of the branch before it.
     stops : (str, str)
         Why the branch ends, downwards and upwards: ``"range"`` at a bound, ``"points"`` after
         `most_points`, ``"closed"`` where it began, ``"flip"`` of the orbit of half the period,
@@ -228,7 +245,7 @@ class Branch(Result):
         With `branches`: those that begin at its flips, with twice the period, and at its branch
         points. `begins` of each is the index of that orbit in `special`. With a `depth` above 1
         they have `branches` of their own.
-    curves : list of Curve
+    curves : list of BifurcationCurve
         With `also`: its special orbits in two parameters, except branch points, and its homoclinic
         and two-fold ends.
     begins : int or None
@@ -255,7 +272,7 @@ class Branch(Result):
     special: Table
     stops: tuple[str, str]
     branches: list[Branch]
-    curves: list[Curve]
+    curves: list[BifurcationCurve]
     begins: int | None
     bubble: int | None
     name: str
@@ -281,6 +298,7 @@ class Branch(Result):
             "period": ("orbit", self.period),
             "stability": ("orbit", self.stability),
             "phases": ("orbit", self.phases),
+            "t": ("orbit", self.t),
             "y": (of_states, self.y),
             "y_min": (of_states, self.y_min),
             "y_max": (of_states, self.y_max),
@@ -303,7 +321,8 @@ class Branch(Result):
             The state, by number or name; or ``"period"``.
         """
         axes = new_axes(axes)
-        if what == "period":
+        # A state compares with no text.
+        if isinstance(what, str) and what == "period":
             curves, label = [self.period], "period"
         else:
             k, label = column(self.system, what)
@@ -404,7 +423,7 @@ class EquilibriumBranch(Result):
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Curve(Result):
+class BifurcationCurve(Result):
     """A special orbit of a branch, followed in two parameters.
 
     Attributes
@@ -465,6 +484,7 @@ class Curve(Result):
         variables: dict[str, Any] = {
             "uncertainty": ("orbit", self.uncertainty),
             "period": ("orbit", self.period),
+            "t": ("orbit", self.t),
             "y": (("orbit", "state"), self.y),
         }
         own = {
@@ -479,7 +499,7 @@ class Curve(Result):
         return _draw_curve(self, axes)
 
 
-def _draw_curve(curve: Curve | EquilibriumCurve, axes: Any) -> Any:
+def _draw_curve(curve: BifurcationCurve | EquilibriumCurve, axes: Any) -> Any:
     axes = new_axes(axes)
     axes.plot(curve.parameter, curve.other, label=curve.what)
     for name in dict.fromkeys(curve.special["name"]):
@@ -958,7 +978,7 @@ def continuation(
     found["branches"] = all_branches[0]
     kinds = found["special"]["name"]
     found["curves"] = [
-        Curve(
+        BifurcationCurve(
             **{**one, "special": structured(one["special"], system.states)},
             what=str(kinds[begins]),
             begins=begins,

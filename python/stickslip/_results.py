@@ -39,8 +39,9 @@ class Result:
         return name in self.keys()
 
     def __repr__(self) -> str:
-        # The system has a representation of its own.
+        # The system has a representation of its own, and reasons are shown where there are some.
         names = [name for name in self.keys() if name != "system"]
+        names = [name for name in names if not _is_blank(getattr(self, name))]
         shown = [f"{name}={short(getattr(self, name))}" for name in names]
         return f"{type(self).__name__}({', '.join(shown)})"
 
@@ -61,6 +62,10 @@ class Result:
         """
         return pandas().DataFrame(self._columns())
 
+    def _attributes(self) -> dict[str, Any]:
+        """What belongs to the data set as a whole."""
+        return {}
+
     def to_xarray(self) -> Any:
         """The result as an `xarray.Dataset`.
 
@@ -69,10 +74,16 @@ class Result:
         xarray.Dataset
         """
         variables, coordinates = self._variables()
-        return xarray().Dataset(variables, coordinates)
+        return xarray().Dataset(variables, coordinates, self._attributes())
 
     def _repr_html_(self) -> str:
         return as_html(self._columns())
+
+
+def _is_blank(value: Any) -> bool:
+    """Whether a list has nothing but empty texts."""
+    of_texts = isinstance(value, list) and len(value) > 0
+    return of_texts and all(isinstance(one, str) and not one for one in value)
 
 
 def states_of(system: System, y: Any, end: str = "") -> dict[str, Any]:

@@ -423,6 +423,11 @@ class Condition:
     def __repr__(self) -> str:
         return self.text
 
+    def _repr_latex_(self) -> str:
+        from ._latex import latex
+
+        return f"${latex(self.text)}$"
+
     def _joined(self, word: str, other: Any) -> Condition:
         if not isinstance(other, Condition):
             raise TypeError(
@@ -1096,6 +1101,23 @@ class Jump:
 
     def __repr__(self) -> str:
         return f"<Jump {self.name} at {self.when} = 0>"
+
+    def _repr_latex_(self) -> str:
+        from ._latex import jump_latex
+
+        values = {state.name: value for state, value in self.set.items()}
+        return f"${': '.join(jump_latex({**self._entries(), 'set': values}))}$"
+
+    def _entries(self) -> dict[str, Any]:
+        """The entries of its table in a file, without `set`."""
+        entries: dict[str, Any] = {"when": self.when, "direction": self.direction}
+        if self.condition is not None:
+            entries["if"] = self.condition
+        if self.stop:
+            entries["stop"] = True
+        if self.count is not None:
+            entries["count"] = self.count
+        return entries
 
 
 class Time(Symbol):

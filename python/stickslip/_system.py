@@ -411,14 +411,7 @@ def _text(
     tables += [(f"switches.{_key(one.name)}", {"function": one.function}) for one in of(Switch)]
     tables += [(f"curves.{_key(one.name)}", one.entries) for one in of(Curve)]
     for jump in jumps:
-        entries = dict[str, Any](when=jump.when, direction=jump.direction)
-        if jump.condition is not None:
-            entries["if"] = jump.condition
-        if jump.stop:
-            entries["stop"] = True
-        if jump.count is not None:
-            entries["count"] = jump.count
-        tables.append((f"jumps.{_key(jump.name)}", entries))
+        tables.append((f"jumps.{_key(jump.name)}", jump._entries()))
         if jump.set:
             values = {state.name: value for state, value in jump.set.items()}
             tables.append((f"jumps.{_key(jump.name)}.set", values))

@@ -172,8 +172,9 @@ def short(value: Any) -> str:
         if value.size > 4 or value.dtype.names:
             return f"<{' × '.join(map(str, value.shape))}>"
         return np.array2string(value, precision=6, separator=", ")
-    if isinstance(value, (list, tuple)) and len(value) > 4:
-        return f"<{len(value)}>"
+    if isinstance(value, (list, tuple)):
+        if len(value) > 4 or any(isinstance(one, np.ndarray) for one in value):
+            return f"<{len(value)}>"
     if isinstance(value, dict):
         return f"<{', '.join(map(str, value))}>"
     return f"{value:.6g}" if isinstance(value, (float, np.floating)) else str(value)

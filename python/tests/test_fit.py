@@ -130,6 +130,23 @@ def test_a_fit_prints_what_the_program_prints():
         assert words in told, told
 
 
+def test_values_of_other_minima_on_their_bounds_are_marked():
+    # The data are those of k² = 1: both signs of k are minima, and the bounds cut one of them off.
+    (k,) = ss.parameters(k=0.5)
+    spring = ss.System({x: v, v: -k * k * x}, start=[1, 0])
+    t = np.linspace(0.1, 4, 40)
+    bounds = {k: (-0.9, 1.5)}
+    found = ss.fit(spring, {"t": t, "x": np.cos(t)}, [k], {"x": x}, bounds=bounds, search=20)
+    assert found.bounds.tolist() == [[-0.9, 1.5]] and found.at_bound == [False]
+    assert abs(found["k"] - 1) < 1e-9
+    assert [-0.9] in [values for values, _ in found.others]
+    assert "another minimum: k = -0.9 (on its bound), cost" in repr(found)
+    frame = found.to_pandas()
+    assert frame["lower_bound"].tolist() == [-0.9] and frame["upper_bound"].tolist() == [1.5]
+    inside = replace(found, others=[([-0.5], 3.0)])
+    assert "another minimum: k = -0.5, cost" in repr(inside)
+
+
 def test_values_at_impacts_have_no_standard_error_and_the_event_is_named():
     h, w = ss.states("h w")
     g, = ss.parameters(g=10.0)  # fmt: skip

@@ -37,6 +37,7 @@ def of_basins():
     fold = ss.System({x: p + x - x**3})
     return {
         "boundary": boundary.uncertainty_exponent(),
+        "entropy": boundary.entropy(8),
         "pushes": ss.least_push(wells, [1, 0], [[-1, 0], [0, 1]], largest=3),
         "edge": ss.edge_state(wells, [-1, 1], [2, 1]),
         "shares": ss.basin_shares(fold, p, [-0.5, 0, 0.5], [[-1.0], [0.1], [1.0]]),
@@ -151,7 +152,7 @@ def plane(kinds):
     phases = np.array([*["+ " * k for k in range(1, kinds)], ""])[numbers]
     nan = np.full((1, kinds), np.nan)
     along = np.arange(float(kinds)), np.array([0.0])
-    return ss.ParameterMap(*along, words, nan, numbers, phases, *[nan] * 4, ("a", "b"))
+    return ss.ParameterMap(*along, words, nan, numbers, phases, *[nan] * 4, np.full(phases.shape, ""), ("a", "b"))
 
 
 def legend_of(axes):

@@ -14,7 +14,7 @@ use stickslip::dynamics::{
 };
 use stickslip::error::readable;
 use stickslip::{Ending, Error, Options};
-use stickslip_model::file::{SettingError, System as CompiledSystem};
+use stickslip_model::file::{Quantities, SettingError, System as CompiledSystem};
 use stickslip_model::kernel::{follow_all, follow_on};
 use stickslip_model::study::ensemble::by_system;
 use stickslip_model::study::past::PastWatch;
@@ -22,7 +22,7 @@ use stickslip_model::study::{
     FrictionWatch, StepMonitor, Variables, VariedSystem, VariedTangents, left_out_at_start,
 };
 
-use crate::errors::{Failure, Keywords, computation, failed, words};
+use crate::errors::{Failure, Keywords, computation, failed, words, wrong};
 use crate::fields::{Fields, array};
 use crate::task::{ProgressKind, Report, SIGNAL_INTERVAL, check_signals, computed};
 use crate::{Settings, System};
@@ -95,6 +95,8 @@ struct Wanted<'a> {
     limit: f64,
     /// Whether the system is reversed in time.
     is_reversed: bool,
+    /// Whether the forces at the points are kept with each of many orbits.
+    forces: bool,
 }
 
 impl Wanted<'_> {
@@ -219,6 +221,8 @@ struct Solved {
     is_terminated: bool,
     /// Place and contact of the slide that ended a run backwards.
     slide: Option<(Moment, usize)>,
+    /// Forces at the points, row by row, if they are kept.
+    forces: Option<Vec<f64>>,
 }
 
 impl Recording<'_> {
@@ -250,6 +254,7 @@ impl Recording<'_> {
             memory: memory.filter(|_| self.terminal.is_none()),
             is_terminated: self.terminal.is_some(),
             slide: self.slide,
+            forces: None,
         }
     }
 }
@@ -361,6 +366,7 @@ pub(crate) fn solve<'py>(
         keeps_steps: dense_output,
         limit,
         is_reversed,
+        forces: false,
     };
     let compiled = &system.compiled;
     let variables = Variables::named(compiled, derivatives.iter().map(String::as_str));
@@ -485,11 +491,10 @@ fn described<'py>(
     let fields = Fields::new(py);
     let orbit = solved.orbit;
     add_points(&fields, &mut || orbit.points.iter(), states)?;
-    let mut contacts = system.file.contacts.iter();
-    let has_friction = contacts.any(|one| one.friction.is_some());
-    if has_friction || !system.file.stops.is_empty() {
-        let (names, forces) = forces(system, &orbit)?;
-        fields.array("forces", forces, [names.len()])?;
+    if has_forces(system) {
+        let mut quantities = quantities(system)?;
+        let names = quantities.force_names();
+        fields.array("forces", forces(&mut quantities, &orbit), [names.len()])?;
         fields.put("acting", names)?;
     }
     let events = (0..events).map(|number| {
@@ -518,11 +523,21 @@ fn described<'py>(
     Ok(fields)
 }
 
-/// The forces of all stops and contacts at the points, in the phases of these, and their names. Of
-/// two points of one time, between which the state jumps, the second is in the next phase.
-fn forces(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<(Vec<String>, Vec<f64>)> {
+/// Whether a stop acts, or a contact by friction.
+fn has_forces(system: &CompiledSystem) -> bool {
+    let mut contacts = system.file.contacts.iter();
+    contacts.any(|one| one.friction.is_some()) || !system.file.stops.is_empty()
+}
+
+/// Forces of a system, without further formulas.
+fn quantities(system: &CompiledSystem) -> PyResult<Quantities<'_>> {
     let quantities = system.quantities(&[]);
-    let mut quantities = quantities.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    quantities.map_err(|error| PyValueError::new_err(error.to_string()))
+}
+
+/// The forces of all stops and contacts at the points, in the phases of these. Of two points of one
+/// time, between which the state jumps, the second is in the next phase.
+fn forces(quantities: &mut Quantities<'_>, orbit: &RecordedOrbit) -> Vec<f64> {
     let mut phases = orbit.phases.iter().peekable();
     let mut all = Vec::new();
     let mut last = f64::NAN;
@@ -537,7 +552,7 @@ fn forces(system: &CompiledSystem, orbit: &RecordedOrbit) -> PyResult<(Vec<Strin
         let mode = phase.map_or_else(|| Modes::new(&[]), |phase| phase.mode);
         all.extend(quantities.forces_at(&mode, t, x));
     }
-    Ok((quantities.force_names(), all))
+    all
 }
 
 /// Adds the columns of points.
@@ -608,11 +623,12 @@ pub(crate) fn ensemble<'py>(
     span: (f64, f64),
     most: Vec<usize>,
     t_eval: Option<PyReadonlyArray1<'py, f64>>,
-    workers: usize,
+    how: (usize, bool),
     settings: Settings,
     report: Report,
 ) -> PyResult<Bound<'py, PyDict>> {
     let ((t, t_end), compiled) = (span, &system.compiled);
+    let (workers, keeps_forces) = how;
     let options = settings.options(compiled)?;
     let rows = |of: &PyReadonlyArray2<'py, f64>| -> Vec<Vec<f64>> {
         let rows = of.as_array();
@@ -625,15 +641,14 @@ pub(crate) fn ensemble<'py>(
         keeps_steps: false,
         limit: f64::INFINITY,
         is_reversed: compiled.file.is_reversed,
+        forces: keeps_forces && has_forces(compiled),
     };
     let outcome = computed(py, workers, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
         let found = by_system(&system, &names, &values, |system, numbers| {
             let own: Vec<&[f64]> = numbers.iter().map(|&number| &*starts[number]).collect();
-            let found = system.map(|system| {
-                let found = side_by_side(system, &own, ((t, t_end), &options), &wanted);
-                found.into_iter().map(Ok).collect()
-            });
+            let run = ((t, t_end), &options);
+            let found = system.map(|system| side_by_side(system, &own, run, &wanted));
             numbers.iter().for_each(|_| task.count());
             let refused = |error: SettingError| {
                 let each = numbers.iter();
@@ -653,7 +668,7 @@ fn side_by_side(
     starts: &[&[f64]],
     ((t, t_end), options): ((f64, f64), &Options),
     wanted: &Wanted<'_>,
-) -> Vec<Solved> {
+) -> Vec<Result<Solved, Failure>> {
     let moments: Vec<Moment> = starts
         .iter()
         .map(|x| Moment {
@@ -676,9 +691,16 @@ fn side_by_side(
         recordings[number].watch(progress, orbit)
     };
     let ended = follow_all(dynamics, &moments, t_end, options, watching, watcher);
-    let both = recordings.into_iter().zip(ended);
-    both.map(|(recording, ended)| recording.finished(system, ended, None))
-        .collect()
+    let mut quantities = wanted.forces.then(|| system.quantities(&[])).transpose();
+    let solved = |(recording, ended): (Recording<'_>, _)| {
+        let mut solved = recording.finished(system, ended, None);
+        match &mut quantities {
+            Ok(of) => solved.forces = of.as_mut().map(|of| forces(of, &solved.orbit)),
+            Err(error) => return Err(Failure::Python(wrong(error))),
+        }
+        Ok(solved)
+    };
+    recordings.into_iter().zip(ended).map(solved).collect()
 }
 
 /// The results of many runs, for Python: numbers of rows of each run, and all rows.
@@ -697,6 +719,12 @@ fn described_all<'py>(
     let mut points = || all.iter().flat_map(|one| one.orbit.points.iter());
     fields.integers("points", counts(&|one| one.orbit.points.len()))?;
     add_points(&fields, &mut points, states)?;
+    let mut kept = all.iter().filter_map(|one| one.forces.as_ref()).peekable();
+    if kept.peek().is_some() {
+        let names = quantities(system)?.force_names();
+        fields.array("forces", kept.flatten().copied().collect(), [names.len()])?;
+        fields.put("acting", names)?;
+    }
     fields.numbers("t_end", all.iter().map(|one| one.orbit.end.t))?;
     fields.rows("y_end", all.iter().map(|one| &one.orbit.end.x), states)?;
     let ends = all.iter().map(|one| {

@@ -166,6 +166,32 @@ fn impacts_that_accumulate_are_counted() {
     json.stdout(contains("floor.impact floor.impact floor.impact"));
 }
 
+/// The data are those of k² = 1. Both signs of k are minima, and the bounds cut one of them off.
+#[test]
+fn other_minima_mark_values_on_their_bounds() {
+    let top = tempfile::tempdir().unwrap();
+    let spring = "name = \"spring\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nk = 0.5\n\
+                  [field]\nx = \"v\"\nv = \"-k*k*x\"\n[start]\nx = 1\nv = 0\n";
+    std::fs::write(top.path().join("spring.toml"), spring).unwrap();
+    let times = (1..=40).map(|k| 0.1 * f64::from(k));
+    let rows = times.map(|t| format!("{t:?},{:.3}\n", stickslip::math::cos(t)));
+    let rows: String = std::iter::once("t,x\n".to_owned()).chain(rows).collect();
+    std::fs::write(top.path().join("x.csv"), rows).unwrap();
+    let mut command = program(top.path());
+    command.args([
+        "fit",
+        "spring.toml",
+        "x.csv",
+        "--fit",
+        "k",
+        "--observe",
+        "x",
+    ]);
+    command.args(["--bounds", "k=-0.9:1.5", "--search", "20"]);
+    let said = command.assert().success();
+    said.stdout(contains("other minima k = -0.9 (on its bound), cost "));
+}
+
 #[test]
 fn several_records_have_files_of_their_own() {
     let top = folder();

@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
-    Attractor, AttractorChange, Exponent, StepBudget, SweepPoint, WhatChanges, attractor,
-    attractor_by_shooting, attractor_of_many, carried_on, is_change, locate_changes,
+    Attractor, AttractorChange, AttractorKind, Exponent, StepBudget, SweepPoint, WhatChanges,
+    attractor, attractor_by_shooting, attractor_of_many, carried_on, is_change, locate_changes,
     locate_changes_within,
 };
-use stickslip::dynamics::{Moment, Vector};
+use stickslip::dynamics::{Moment, Phase, Vector};
 use stickslip::{Error, Options};
 
 use super::{largest, recurrence, reported};
@@ -85,6 +85,15 @@ pub struct AtValue {
     unspent: u64,
     /// Steps that every value was taken to need in advance: those of the first.
     credited: u64,
+}
+
+impl AtValue {
+    /// The phases of a periodic orbit in which a contact sticks.
+    pub fn sticks(&self) -> impl Iterator<Item = &Phase> {
+        let is_periodic = matches!(self.reached.kind, AttractorKind::Periodic { .. });
+        let phases = self.reached.phases.iter().filter(move |_| is_periodic);
+        phases.filter(|phase| phase.mode.any_sticks())
+    }
 }
 
 impl Diagram<'_> {

@@ -13,7 +13,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Diagram, Locates, largest, recurrence, reported, shares};
+use stickslip_model::study::{AtValue, Diagram, Locates, largest, recurrence, reported, shares};
 
 use crate::errors::{Failure, failed, no_period, words, wrong};
 use crate::fields::{Fields, array};
@@ -196,7 +196,26 @@ pub(crate) fn bifurcation_diagram<'py>(
     outcomes_measured(&fields, compiled, measured)?;
     let changes = AttractorChange::merged(changes);
     fields.fields("changes", located(py, compiled, &changes)?)?;
+    fields.fields("sticks", sticks(py, compiled, &found)?)?;
     fields.ended(raised)
+}
+
+/// The sticks of the periodic orbits as a table: how long they are, in time and in each state.
+fn sticks<'py>(
+    py: Python<'py>,
+    system: &CompiledSystem,
+    found: &[AtValue],
+) -> PyResult<Fields<'py>> {
+    let all = || {
+        let each = found.iter();
+        each.flat_map(|at| at.sticks().map(move |phase| (at.value, phase)))
+    };
+    let table = Fields::new(py);
+    table.numbers("parameter", all().map(|(value, _)| value))?;
+    table.numbers("duration", all().map(|(_, phase)| phase.duration()))?;
+    let lengths: Vec<Vector> = all().map(|(_, phase)| phase.displacement()).collect();
+    table.rows("length", &lengths, system.states())?;
+    Ok(table)
 }
 
 /// Changes of an attractor as a table.
@@ -210,6 +229,11 @@ fn located<'py>(
     table.texts("name", all().map(ToString::to_string))?;
     table.optional_numbers("parameter", all().map(WhatChanges::parameter))?;
     table.optional_numbers("uncertainty", all().map(WhatChanges::uncertainty))?;
+    let contacts = |change: &WhatChanges| match change {
+        WhatChanges::Sequence(change) => system.contact_names(&change.contacts),
+        _ => String::new(),
+    };
+    table.texts("contacts", all().map(contacts))?;
     table.numbers("from_value", changes.iter().map(|at| at.between.0))?;
     table.numbers("to_value", changes.iter().map(|at| at.between.1))?;
     table.optional_numbers("period", all().map(WhatChanges::period))?;

@@ -280,6 +280,8 @@ fn described<'py>(
     table.numbers("parameter", special.iter().map(|at| at.parameter))?;
     table.optional_numbers("uncertainty", special.iter().map(|at| at.uncertainty))?;
     table.optional_numbers("period", special.iter().map(|at| at.period))?;
+    table.texts("contacts", special.iter().map(|at| &at.contacts))?;
+    table.optional_numbers("angle", special.iter().map(|at| at.angle))?;
     table.texts("criticality", special.iter().map(|at| &at.criticality))?;
     table.texts("before", special.iter().map(|at| &at.phases[0]))?;
     table.texts("after", special.iter().map(|at| &at.phases[1]))?;

@@ -153,6 +153,9 @@ fn described<'py>(py: Python<'py>, system: &CompiledSystem, fit: &Fit) -> PyResu
         .map(interval)
         .flat_map(|(low, high)| [low, high]);
     fields.array("intervals", ends.collect(), [2])?;
+    let bounds = fit.values.iter().map(|one| one.bounds);
+    let bounds = bounds.flat_map(|(low, high)| [low, high]);
+    fields.array("bounds", bounds.collect(), [2])?;
     fields.texts("at_bound", fit.values.iter().map(|one| one.is_at_bound))?;
     for (name, matrix) in [
         ("covariance", fit.uncertainty.covariance.clone()),

@@ -82,7 +82,7 @@ impl OneDirection {
         }
         let points = at.reached.points.iter();
         self.section.extend(points.map(|point| (value, point.x[0])));
-        let sticks = sticks(at).map(|phase| (value, phase.duration()));
+        let sticks = at.sticks().map(|phase| (value, phase.duration()));
         self.sticks.extend(sticks);
         if let Some(Exponent::Finite {
             value: exponent, ..
@@ -113,13 +113,6 @@ impl OneDirection {
             }
         }
     }
-}
-
-/// The phases of a periodic orbit in which a contact sticks.
-fn sticks(at: &AtValue) -> impl Iterator<Item = &Phase> {
-    let is_periodic = matches!(at.reached.kind, AttractorKind::Periodic { .. });
-    let phases = at.reached.phases.iter().filter(move |_| is_periodic);
-    phases.filter(|phase| phase.mode.any_sticks())
 }
 
 impl Bifurcation {
@@ -172,10 +165,10 @@ impl Bifurcation {
             .state(system, "_length", lengths);
         table(store, sticks_path, &columns, |block, part: DiagramBlock| {
             let number = usize::from(self.pass(block) != Pass::Up);
-            let all = part
-                .found
-                .iter()
-                .flat_map(|at| sticks(at).map(move |phase| (number, at.value, phase.clone())));
+            let all = part.found.iter().flat_map(|at| {
+                at.sticks()
+                    .map(move |phase| (number, at.value, phase.clone()))
+            });
             Ok(all.collect())
         })?;
         Ok(directions)

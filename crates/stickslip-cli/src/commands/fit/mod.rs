@@ -200,7 +200,14 @@ fn report(system: &System, wanted: &Wanted, found: &Fit) -> Result<Report, Failu
     seen(&mut report, (system, wanted), found)?;
     let others = found.others.iter().map(|other| {
         let pairs = found.values.iter().zip(&other.values);
-        let values = pairs.map(|(one, value)| format!("{} = {}", one.name, readable(*value)));
+        let values = pairs.map(|(one, &value)| {
+            let end = if one.is_bound(value) {
+                " (on its bound)"
+            } else {
+                ""
+            };
+            format!("{} = {}{end}", one.name, readable(value))
+        });
         let words: Vec<String> = values.collect();
         let line = format!("{}, cost {:.4e}", words.join(", "), other.cost);
         (line, json!({ "values": other.values, "cost": other.cost }))

@@ -129,6 +129,13 @@ pub struct FittedValue {
     pub interval: Option<(f64, f64)>,
 }
 
+impl FittedValue {
+    /// Whether a value, that of another minimum for instance, is one of the bounds.
+    pub fn is_bound(&self, value: f64) -> bool {
+        value <= self.bounds.0 || value >= self.bounds.1
+    }
+}
+
 /// One column of a record at the fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedColumn {
