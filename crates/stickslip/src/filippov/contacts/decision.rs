@@ -207,7 +207,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     /// which those that stick have their static limits.
     fn agrees(&self, decided: &[usize], modes: &[Mode; M]) -> bool {
         let joint = ContactFlow::new(self.system, modes);
-        let joint = joint.with_shared_load(joint.hold_each_other(&self.at));
+        let shared = joint.hold_each_other(&self.at);
+        let joint = joint.with_shared_load(shared);
         let (t, x) = (self.at.t, components(&self.at.x));
         let combination = joint.combination(t, x);
         let rates = rates(self.system, (t, 1.0), x, &combination.field);
