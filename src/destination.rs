@@ -142,7 +142,7 @@ impl Strobe {
 mod tests {
     use super::*;
     use std::f64::consts::PI;
-    use stickslip::analysis::periodic_orbit_forced;
+    use stickslip::analysis::PeriodicOrbit;
     use stickslip::{Filippov, Scalar, Side, solve};
 
     enum Tested {
@@ -195,7 +195,7 @@ mod tests {
         else {
             panic!("{found:?}");
         };
-        let cycle = periodic_orbit_forced(&system, t0, &x, period, &options).unwrap();
+        let cycle = PeriodicOrbit::near_forced(&system, t0, &x, period, &options).unwrap();
         assert!((&cycle.x - &x).amax() < 1e-5, "{} {x}", cycle.x);
         let turn = solve(&system, t0, [x[0], x[1]], t0 + period, &options).unwrap();
         for turned in &turn.transitions {

@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngSeed};
 use replication::paper::models::{
     BeltOscillator, BeltTangency, BlockAndBracket, Caption, ForcedOscillator, Interpretation, Rig,
+    Unchecked,
 };
-use stickslip::{Error, Fate, Filippov, Side, State, Unchecked, Visibility, fate};
+use stickslip::{Error, Fate, Filippov, Side, State, Visibility, fate};
 
 /// A rig in physical units with no special values.
 pub fn rig() -> Rig {

@@ -20,7 +20,7 @@ use crate::orbit_records::TurningPoints;
 use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 use numerics::SplitMix;
 use std::ops::ControlFlow;
-use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions};
 use stickslip::{Error, Locator, Method, Observer, Options, State, StepRecord};
 pub use table::{CaptionTable, ExponentBudget, committed};
 
@@ -162,7 +162,7 @@ pub fn caption_spectrum(figure: usize, variant: CaptionVariant) -> Result<Captio
     let settings = SpectrumOptions::over(TRANSIENT, DURATION).solver(variant.solver());
     let mut section = SectionPoints(TurningPoints::new(&model, &settings.solver));
     let start = (0.0, State::from(caption.start));
-    let spectrum = lyapunov_spectrum_watched(&model, start, &settings, &mut section)?;
+    let spectrum = Spectrum::watched(&model, start, &settings, &mut section)?;
     let of = (SystemKind::Flow, &spectrum.exponents[..], spectrum.duration);
     let criterion = Criterion {
         resolution: RESOLUTION,

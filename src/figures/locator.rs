@@ -15,7 +15,7 @@ use plot::{
     VERMILLION,
 };
 use stickslip::math;
-use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, dense_slopes, henon_step, stages};
+use stickslip::ode::{Dense, Dop853, Rk4, RungeKutta, Timed, henon_step, step_end};
 use stickslip::{Filippov, Side, State};
 
 /// One method to locate an event.
@@ -168,10 +168,7 @@ impl Step {
     fn on_dense<M: RungeKutta>(&self) -> f64 {
         let Timed { t, x } = self.from;
         let field = &mut |_: f64, x: &State<2>| self.field(x);
-        let slope = self.field(&x);
-        let mut step = stages::<M, f64, _>(field, t, &x, slope, self.h);
-        dense_slopes::<M, f64, _>(field, t, &x, self.h, &mut step);
-        let dense = Dense::new::<M>(t, &x, self.h, &step);
+        let dense = Dense::over_step::<M>(field, (t, &x), self.h);
         t + self.h * bisect(0.0, 1.0, |s| dense.at(s)[1] >= BELT_SPEED)
     }
 
@@ -180,7 +177,7 @@ impl Step {
     fn chord(&self) -> f64 {
         let Timed { t, x } = self.from;
         let field = &mut |_: f64, x: &State<2>| self.field(x);
-        let end = stages::<Rk4, f64, _>(field, t, &x, self.field(&x), self.h).end;
+        let end = step_end::<Rk4, _>(field, t, &x, self.field(&x), self.h);
         t + self.h * (BELT_SPEED - x[1]) / (end[1] - x[1])
     }
 

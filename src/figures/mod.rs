@@ -14,7 +14,7 @@ use crate::numbers::not_found;
 use crate::terminal::ProgramError;
 use plot::{Cell, Dash, Figure, GREY, Guide, Panel};
 use rows::Row;
-use stickslip::normal_component;
+use stickslip::scalar::Dual;
 use stickslip::{Error, Filippov, Mode, Orbit, Scalar, Side, Transition, TransitionKind};
 
 /// A figure of the paper. Computing, reporting and drawing are separate.
@@ -69,7 +69,11 @@ fn phase_plane(orbit: &Orbit<2>) -> Vec<(f64, f64)> {
 
 /// The normal components of both fields at a point of Σ: below, above.
 pub(crate) fn normals<S: Filippov<2>, T: Scalar>(system: &S, t: T, x: &[T; 2]) -> [T; 2] {
-    let of = |side| normal_component(system, t, x, &system.field(side, t, x));
+    let of = |side| {
+        let field = system.field(side, t, x);
+        let along = std::array::from_fn(|i| Dual::new(x[i], field[i]));
+        system.boundary(Dual::new(t, T::one()), &along).eps
+    };
     [Side::Below, Side::Above].map(of)
 }
 

@@ -8,7 +8,7 @@
 //! the body moves with the belt at the correct speed. See [`super::listing`] for the original.
 
 use super::stages::{VELOCITY, in_time, in_velocity};
-use stickslip::{Filippov, Mode, Side, State, components};
+use stickslip::{Filippov, Mode, Side, State};
 
 /// The listing's rounded 1/6.
 const SIXTH: f64 = 0.166666;
@@ -54,7 +54,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
             x,
             mode: Mode::Stick,
         };
-        let gap = scheme.system.boundary(0.0, components(&x));
+        let gap = scheme.system.boundary(0.0, &x.into());
         scheme.mode = if gap < 0.0 {
             Mode::Slip(Side::Below)
         } else if gap == 0.0 && scheme.release_side().is_none() {
@@ -87,9 +87,9 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
     fn slip(&mut self, side: Side) {
         let system = &self.system;
         let moved = in_time(true, self.h, (self.t, self.x), |t, x| {
-            State::from(system.field(side, t, components(x)))
+            State::from(system.field(side, t, &(*x).into()))
         });
-        let gap = self.system.boundary(self.t, components(&moved));
+        let gap = self.system.boundary(self.t, &moved.into());
         if gap * side.sign() > 0.0 {
             self.t += self.h;
             self.x = moved;
@@ -98,7 +98,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
         // Back onto Σ from below. From above, the listing has the wrong sign.
         let to_go = gap * if side == Side::Below { -1.0 } else { 1.0 };
         let slope = |t: f64, x: &State<N>| {
-            let f = State::from(system.field(side, t, components(x)));
+            let f = State::from(system.field(side, t, &(*x).into()));
             let per_velocity = 1.0 / f[VELOCITY];
             (per_velocity, f * per_velocity)
         };
@@ -130,7 +130,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 
     /// The side whose field does not push towards Σ, if there is one.
     fn release_side(&self) -> Option<Side> {
-        let x = components(&self.x);
+        let x = &self.x.into();
         if self.system.field(Side::Below, self.t, x)[VELOCITY] <= 0.0 {
             Some(Side::Below)
         } else if self.system.field(Side::Above, self.t, x)[VELOCITY] >= 0.0 {
@@ -143,7 +143,7 @@ impl<S: Filippov<N>, const N: usize> InPlace<S, N> {
 
 /// Filippov's convex combination of the fields, which keeps the velocity constant.
 fn sliding<S: Filippov<N>, const N: usize>(system: &S, t: f64, x: &State<N>) -> State<N> {
-    let velocity = |side| State::from(system.field(side, t, components(x)));
+    let velocity = |side| State::from(system.field(side, t, &(*x).into()));
     let (below, above) = (velocity(Side::Below), velocity(Side::Above));
     let gap = below[VELOCITY] - above[VELOCITY];
     let weight = if gap == 0.0 {

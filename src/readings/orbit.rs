@@ -11,7 +11,7 @@ use crate::orbit_records::{Samples, TurningPoints};
 use crate::paper::in_place::{Breakdown, InPlace};
 use crate::paper::models::{BlockAndBracket, Caption};
 use numerics::PowerLaw;
-use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions};
 use stickslip::math;
 use stickslip::{AtRepelling, Ending, Error, Method, Observer, Options, State, StepRecord, run};
 
@@ -101,7 +101,7 @@ fn solved(system: &BlockAndBracket, start: State<4>, plan: &Plan, method: Method
     }
     let settings = SpectrumOptions::over(plan.from, plan.duration()).solver(options);
     let mut watch = OrbitRecorder::new(system, &options, plan);
-    let spectrum = lyapunov_spectrum_watched(system, (0.0, start), &settings, &mut watch);
+    let spectrum = Spectrum::watched(system, (0.0, start), &settings, &mut watch);
     match spectrum {
         Ok(spectrum) if spectrum.summary.ending == Ending::EndTime => {
             watch.bounded(&spectrum.exponents, spectrum.duration)

@@ -7,7 +7,7 @@ use super::with;
 use approx::assert_abs_diff_eq;
 use replication::figures::block_and_bracket::{Data, compare};
 use replication::motion::Class;
-use stickslip::analysis::{Exponent, periodic_orbit};
+use stickslip::analysis::{Exponent, PeriodicOrbit};
 use stickslip::{Options, State, math};
 
 #[test]
@@ -64,7 +64,7 @@ pub fn periodic(data: &Data) {
     }
     assert!((0.0015..0.0025).contains(&spectrum.stick_fraction));
     // Floquet multipliers from the turning point, which is off Σ.
-    let cycle = periodic_orbit(&data.model, turn, period, &Options::tol(1e-12)).unwrap();
+    let cycle = PeriodicOrbit::near(&data.model, turn, period, &Options::tol(1e-12)).unwrap();
     let mut multipliers: Vec<f64> =
         nalgebra::DMatrix::from_column_slice(4, 4, cycle.monodromy.as_slice())
             .complex_eigenvalues()

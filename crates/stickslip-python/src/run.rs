@@ -490,7 +490,7 @@ fn described<'py>(
     let (status, message) = status.map_err(|error| failed(&error, Some(system)))?;
     let fields = Fields::new(py);
     let orbit = solved.orbit;
-    add_points(&fields, &mut || orbit.points.iter(), states)?;
+    add_points(&fields, &mut || orbit.points(), states)?;
     if has_forces(system) {
         let mut quantities = quantities(system)?;
         let names = quantities.force_names();
@@ -541,7 +541,7 @@ fn forces(quantities: &mut Quantities<'_>, orbit: &RecordedOrbit) -> Vec<f64> {
     let mut phases = orbit.phases.iter().peekable();
     let mut all = Vec::new();
     let mut last = f64::NAN;
-    for (t, x) in orbit.points.iter() {
+    for (t, x) in orbit.points() {
         let is_over = |phase: &&Phase| phase.t_end < t || phase.t_end == t && last == t;
         let mut before = None;
         while let Some(phase) = phases.next_if(is_over) {
@@ -716,8 +716,8 @@ fn described_all<'py>(
         all.iter().map(|one| of(one) as i64).collect()
     };
     let fields = Fields::new(py);
-    let mut points = || all.iter().flat_map(|one| one.orbit.points.iter());
-    fields.integers("points", counts(&|one| one.orbit.points.len()))?;
+    let mut points = || all.iter().flat_map(|one| one.orbit.points());
+    fields.integers("points", counts(&|one| one.orbit.point_count()))?;
     add_points(&fields, &mut points, states)?;
     let mut kept = all.iter().filter_map(|one| one.forces.as_ref()).peekable();
     if kept.peek().is_some() {

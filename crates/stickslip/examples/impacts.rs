@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use stickslip::analysis::{multipliers, periodic_orbit_forced};
+use stickslip::analysis::{PeriodicOrbit, multipliers};
 use stickslip::dynamics::{AsDynamics, Jumps, Moment, RecordedOrbit, Sampling, WithJumps};
 use stickslip::{Direction, Error, Filippov, Options, Scalar, Side, TransitionKind};
 
@@ -66,7 +66,7 @@ fn main() -> Result<(), Error> {
             );
         }
     }
-    let cycle = periodic_orbit_forced(&block, 0.0, &orbit.end.x, TAU, &options)?;
+    let cycle = PeriodicOrbit::near_forced(&block, 0.0, &orbit.end.x, TAU, &options)?;
     for multiplier in multipliers(&cycle.monodromy) {
         println!("multiplier {:.6}", multiplier.norm());
     }

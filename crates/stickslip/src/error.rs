@@ -49,34 +49,36 @@ pub struct Accumulation {
     pub holds: bool,
 }
 
-/// A pile-up within a span of time, in words; `option` is the name of
-/// [`crate::Options::at_pile_up`].
-pub fn pile_up_in_words(accumulation: Option<&Accumulation>, span: f64, option: &str) -> String {
-    if span == 0.0 {
-        return "they set each other off at once, without end; a jump must lead to where neither it \
-                nor another one happens again"
-            .to_owned();
+impl Accumulation {
+    /// A pile-up within a span of time, in words; `option` is the name of
+    /// [`crate::Options::at_pile_up`].
+    pub fn in_words(accumulation: Option<&Accumulation>, span: f64, option: &str) -> String {
+        if span == 0.0 {
+            return "they set each other off at once, without end; a jump must lead to where \
+                    neither it nor another one happens again"
+                .to_owned();
+        }
+        let Some(Accumulation {
+            t,
+            uncertainty,
+            x,
+            ratio,
+            holds,
+        }) = accumulation
+        else {
+            return "they pile up (Zeno), by no ratio that would tell the accumulation point"
+                .to_owned();
+        };
+        let what_follows = if *holds {
+            format!("friction can hold all of them, and by {option} they rest")
+        } else {
+            "nothing holds all of them at once, and nothing says what follows".to_owned()
+        };
+        format!(
+            "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
+             accumulation point, t = {t:?} ± {uncertainty:.1e}, x = {x}, {what_follows}"
+        )
     }
-    let Some(Accumulation {
-        t,
-        uncertainty,
-        x,
-        ratio,
-        holds,
-    }) = accumulation
-    else {
-        return "they pile up (Zeno), by no ratio that would tell the accumulation point"
-            .to_owned();
-    };
-    let what_follows = if *holds {
-        format!("friction can hold all of them, and by {option} they rest")
-    } else {
-        "nothing holds all of them at once, and nothing says what follows".to_owned()
-    };
-    format!(
-        "they pile up (Zeno), each phase {ratio:.6} times as long as the one before; at the \
-         accumulation point, t = {t:?} ± {uncertainty:.1e}, x = {x}, {what_follows}"
-    )
 }
 
 /// Every failure of the library's computations.
@@ -337,7 +339,8 @@ pub enum Error {
     /// Transitions pile up (Zeno): infinitely many of them in finite time.
     #[error(
         "{count} transitions at contacts {contacts:?} within {span:e} before t = {t}, x = {x}: {}",
-        pile_up_in_words(accumulation.as_deref(), *span, "Options::at_pile_up"), t = readable(*t)
+        Accumulation::in_words(accumulation.as_deref(), *span, "Options::at_pile_up"),
+        t = readable(*t)
     )]
     EventPileUp {
         /// Transitions counted.

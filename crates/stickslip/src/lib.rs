@@ -77,7 +77,7 @@
 //! # Sections and events
 //! Zeros of your own functions ([`EventFunctions`]) are found on every step's dense output and
 //! located on the step itself, in slip and in stick. They may have a direction, and may end the
-//! run. [`solve_with_events`] stores them beside the orbit, and [`EventSearch`] finds them for an
+//! run. [`solve_with_events`] stores them in the orbit, and [`EventSearch`] finds them for an
 //! [`Observer`]. [`analysis::PoincareMap`] makes one function a system of discrete time, with the
 //! map's derivative.
 //!
@@ -101,8 +101,8 @@
 //! Systems are run from the crate's root:
 //! - **Systems**: [`Filippov`], or [`Contacts`] in [`Several`], written for any [`Scalar`] with
 //!   [`Side`] and [`Mode`]. A [`Family`] is a function of constants, and a [`Member`] one of its
-//!   systems, in which constants can be free. [`Unchecked`] leaves out the check of parameters. A
-//!   start is a [`State`], which has [`components`], or anything else that is [`IntoState`].
+//!   systems, in which constants can be free. A start is a [`State`], or anything else that is
+//!   [`IntoState`].
 //! - **Runs**: [`solve`] stores an [`Orbit`] with every [`Phase`], [`Transition`]
 //!   ([`TransitionKind`]) and [`StepRecord`], or returns a [`Failure`]. [`run`] reports them to
 //!   an [`Observer`]. [`Integration`] takes single steps and returns [`Progress`]. [`ensemble`]
@@ -111,51 +111,35 @@
 //!   [`AtRepelling`] and [`AtPileUp`].
 //! - **Ends**: [`Summary`], with [`Ending`] and [`Counters`]; [`TwoFold`] and the [`Approach`]
 //!   to it.
-//! - **Events**: [`EventFunctions`] and their [`Direction`], such as [`Plane`] and [`Strobe`].
-//!   [`solve_with_events`] stores an [`OrbitWithEvents`] with every [`EventRecord`];
-//!   [`EventSearch`] stores nothing. [`first_zero`] is for any function of one variable.
-//! - **Points of Σ**: [`fate`] returns a [`Fate`]. [`normal_component`] is the rate of the
-//!   boundary function, [`Visibility`] the kind of a tangency.
+//! - **Events**: [`EventFunctions`] and their [`Direction`]. [`solve_with_events`] stores every
+//!   [`EventRecord`]; [`EventSearch`] stores nothing. [`first_zero`] is for any function of one
+//!   variable.
+//! - **Points of Σ**: [`fate`] returns a [`Fate`]. [`Visibility`] is the kind of a tangency.
 //!
-//! Orbits and families of orbits are studied in [`analysis`]:
-//! - **Periodic orbits**: [`find_periodic_orbit`](analysis::find_periodic_orbit),
-//!   [`periodic_orbit`](analysis::periodic_orbit),
-//!   [`periodic_orbit_forced`](analysis::periodic_orbit_forced) and
-//!   [`with_shortest_period`](analysis::with_shortest_period) return a
-//!   [`PeriodicOrbit`](analysis::PeriodicOrbit). [`multipliers`](analysis::multipliers),
-//!   [`multiplier_uncertainties`](analysis::multiplier_uncertainties) and
-//!   [`Stability`](analysis::Stability) judge it. [`monodromy`](analysis::monodromy) returns
-//!   the [`Monodromy`](analysis::Monodromy) of any orbit.
-//! - **Maps**: [`PoincareMap`](analysis::PoincareMap), an iterator over every
-//!   [`Return`](analysis::Return) to a section.
-//! - **Attractors**: [`attractor`](analysis::attractor),
-//!   [`attractor_of_many`](analysis::attractor_of_many) and
-//!   [`attractors_of_many`](analysis::attractors_of_many) return an
+//! Orbits and families of orbits are studied in [`analysis`]. A result is a type with methods:
+//! - **Periodic orbits**: [`PeriodicOrbit`](analysis::PeriodicOrbit), near a guess or approached by
+//!   an orbit, with its shortest period, multipliers and derivatives
+//!   ([`PeriodicDerivatives`](analysis::PeriodicDerivatives) with
+//!   [`ExtremeDerivatives`](analysis::ExtremeDerivatives)).
+//!   [`multipliers`](analysis::multipliers) and [`Stability`](analysis::Stability) judge it.
+//!   [`Monodromy`](analysis::Monodromy) is that of any orbit.
+//! - **Maps**: [`PoincareMap`](analysis::PoincareMap), an iterator over every return to a section.
+//! - **Attractors**: [`attractor`](analysis::attractor) returns an
 //!   [`Attractor`](analysis::Attractor) with its [`AttractorKind`](analysis::AttractorKind), by
 //!   the criterion of [`RecurrenceSettings`](analysis::RecurrenceSettings).
-//!   [`attractor_by_shooting`](analysis::attractor_by_shooting) tests periodic ones, and
-//!   [`Attractors`](analysis::Attractors) numbers them all. [`basin`](analysis::basin) and
-//!   [`basin_while`](analysis::basin_while) return a [`Basin`](analysis::Basin), with the
-//!   [`Share`](analysis::Share) of each.
-//! - **Basins in numbers**: [`basin_entropy`](analysis::basin_entropy) returns a
-//!   [`BasinEntropy`](analysis::BasinEntropy),
-//!   [`uncertainty_exponent`](analysis::uncertainty_exponent) an
+//!   [`Attractors`](analysis::Attractors) numbers them all. [`basin`](analysis::basin) returns a
+//!   [`Basin`](analysis::Basin), with the [`Share`](analysis::Share) of each.
+//! - **Basins in numbers**: [`BasinEntropy`](analysis::BasinEntropy),
 //!   [`UncertaintyExponent`](analysis::UncertaintyExponent), and
-//!   [`shares_at`](analysis::shares_at) and [`shares_along`](analysis::shares_along)
-//!   [`SharesAt`](analysis::SharesAt) values of a parameter.
-//!   [`return_time`](analysis::return_time) is the time back to an attractor.
-//!   [`least_pushes`](analysis::least_pushes) by [`PushSettings`](analysis::PushSettings) returns
-//!   every [`Push`](analysis::Push) out of a basin, [`edge_state`](analysis::edge_state) by
-//!   [`EdgeSettings`](analysis::EdgeSettings) an [`EdgeState`](analysis::EdgeState) of an
-//!   [`EdgeKind`](analysis::EdgeKind).
-//! - **Sweeps**: [`sweep`](analysis::sweep) follows an attractor by
-//!   [`SweepSettings`](analysis::SweepSettings) and returns every
-//!   [`SweepPoint`](analysis::SweepPoint). [`locate_changes`](analysis::locate_changes), or
-//!   [`locate_changes_within`](analysis::locate_changes_within) a
+//!   [`SharesAt`](analysis::SharesAt) values of a parameter. The least
+//!   [`Push`](analysis::Push) out of a basin by [`PushSettings`](analysis::PushSettings). An
+//!   [`EdgeState`](analysis::EdgeState) of an [`EdgeKind`](analysis::EdgeKind) by
+//!   [`EdgeSettings`](analysis::EdgeSettings).
+//! - **Sweeps**: [`sweep`](analysis::sweep) follows an attractor and returns every
+//!   [`SweepPoint`](analysis::SweepPoint). [`locate_changes`](analysis::locate_changes), within a
 //!   [`StepBudget`](analysis::StepBudget), returns every
 //!   [`AttractorChange`](analysis::AttractorChange): [`WhatChanges`](analysis::WhatChanges), or
-//!   why it is [`NotFollowed`](analysis::NotFollowed). [`carried_on`](analysis::carried_on) and
-//!   [`is_change`](analysis::is_change) serve loops of your own.
+//!   why it is [`NotFollowed`](analysis::NotFollowed).
 //! - **Branches**: [`continue_periodic_orbit`](analysis::continue_periodic_orbit) returns a
 //!   [`Branch`](analysis::Branch) by [`ContinuationSettings`](analysis::ContinuationSettings):
 //!   every [`BranchPoint`](analysis::BranchPoint) and [`SpecialPoint`](analysis::SpecialPoint)
@@ -163,59 +147,38 @@
 //!   [`SequenceChange`](analysis::SequenceChange),
 //!   [`SequenceBifurcation`](analysis::SequenceBifurcation)), and its [`Stop`](analysis::Stop).
 //!   [`PartialBranch`](analysis::PartialBranch) is one that can be stored and continued.
-//!   [`branch_multiplier_uncertainties`](analysis::branch_multiplier_uncertainties) are those of
-//!   an orbit on it.
-//!   [`switch_branches`](analysis::switch_branches), and
-//!   [`switch_branches_to`](analysis::switch_branches_to) a depth, return every
-//!   [`SwitchedBranch`](analysis::SwitchedBranch). A [`NormalForm`](analysis::NormalForm) tells
-//!   the [`Criticality`](analysis::Criticality) of a flip or torus.
-//!   [`continue_equilibrium`](analysis::continue_equilibrium) returns an
-//!   [`EquilibriumBranch`](analysis::EquilibriumBranch) with
+//!   [`SwitchedBranch`](analysis::SwitchedBranch) has those that begin at a special point. A
+//!   [`NormalForm`](analysis::NormalForm) tells the [`Criticality`](analysis::Criticality) of a
+//!   flip or torus.
+//! - **Branches of equilibria**: [`EquilibriumBranch`](analysis::EquilibriumBranch) with
 //!   [`EquilibriumPoint`](analysis::EquilibriumPoint),
 //!   [`SpecialEquilibrium`](analysis::SpecialEquilibrium) and
-//!   [`EquilibriumBifurcation`](analysis::EquilibriumBifurcation),
-//!   [`continue_change`](analysis::continue_change) a [`Curve`](analysis::Curve) in two
-//!   parameters with [`CurvePoint`](analysis::CurvePoint),
-//!   [`CurveSpecialPoint`](analysis::CurveSpecialPoint)
-//!   ([`CurveBifurcation`](analysis::CurveBifurcation)) and
-//!   [`CurveStop`](analysis::CurveStop). [`continue_end`](analysis::continue_end) returns the
-//!   curve of a homoclinic or two-fold end.
-//!   [`continue_special_equilibrium`](analysis::continue_special_equilibrium) returns an
-//!   [`EquilibriumCurve`](analysis::EquilibriumCurve) with
+//!   [`EquilibriumBifurcation`](analysis::EquilibriumBifurcation).
+//! - **Curves in two parameters**: [`Curve`](analysis::Curve) of a special orbit or of an end, with
+//!   [`CurvePoint`](analysis::CurvePoint), [`CurveSpecialPoint`](analysis::CurveSpecialPoint)
+//!   ([`CurveBifurcation`](analysis::CurveBifurcation)) and [`CurveStop`](analysis::CurveStop).
+//!   [`EquilibriumCurve`](analysis::EquilibriumCurve) of a special equilibrium, with
 //!   [`EquilibriumCurvePoint`](analysis::EquilibriumCurvePoint) and
 //!   [`EquilibriumCurveSpecial`](analysis::EquilibriumCurveSpecial)
 //!   ([`EquilibriumCurveBifurcation`](analysis::EquilibriumCurveBifurcation)).
-//! - **Exponents**: [`lyapunov_spectrum`](analysis::lyapunov_spectrum),
-//!   [`lyapunov_spectrum_watched`](analysis::lyapunov_spectrum_watched) and
-//!   [`largest_exponent`](analysis::largest_exponent), by
+//! - **Exponents**: [`lyapunov_spectrum`](analysis::lyapunov_spectrum) by
 //!   [`SpectrumOptions`](analysis::SpectrumOptions). A [`Spectrum`](analysis::Spectrum) has
 //!   every [`Exponent`](analysis::Exponent) and its [`Running`](analysis::Running) values.
-//! - **Derivatives**: [`orbit_derivatives`](analysis::orbit_derivatives) by every
-//!   [`Variable`](analysis::Variable), and
-//!   [`orbit_derivatives_of`](analysis::orbit_derivatives_of) a
-//!   [`Differentiated`](analysis::Differentiated) run, return
-//!   [`OrbitDerivatives`](analysis::OrbitDerivatives) with
-//!   [`EventDerivatives`](analysis::EventDerivatives).
+//! - **Derivatives**: [`OrbitDerivatives`](analysis::OrbitDerivatives) by every
+//!   [`Variable`](analysis::Variable), or of a [`Differentiated`](analysis::Differentiated) run,
+//!   with [`EventDerivatives`](analysis::EventDerivatives).
 //!   [`OrbitTangents`](analysis::OrbitTangents) go beside an orbit of one's own loop.
-//!   [`periodic_derivatives`](analysis::periodic_derivatives) returns
-//!   [`PeriodicDerivatives`](analysis::PeriodicDerivatives) with
-//!   [`ExtremeDerivatives`](analysis::ExtremeDerivatives).
-//! - **Fits**: [`least_squares`](analysis::least_squares) and
-//!   [`constrained_least_squares`](analysis::constrained_least_squares) of
-//!   [`Residuals`](analysis::Residuals), with a [`Loss`](analysis::Loss) and
-//!   [`LeastSquaresSettings`](analysis::LeastSquaresSettings), return
-//!   [`LeastSquares`](analysis::LeastSquares) and their
-//!   [`LeastSquaresEnd`](analysis::LeastSquaresEnd); [`null_space`](analysis::null_space).
 //!
 //! Sizes known only at run time, and jumps, are in [`dynamics`]:
 //! - **Systems**: [`Dynamics`](dynamics::Dynamics) is the interface of the analyses.
 //!   [`AsDynamics`](dynamics::AsDynamics) turns a typed system into a
 //!   [`DynamicsRef`](dynamics::DynamicsRef); so do [`Typed`](dynamics::Typed), and
-//!   [`WithJumps`](dynamics::WithJumps) for [`Jumps`](dynamics::Jumps).
-//!   [`Components`](dynamics::Components) are a start of any form.
+//!   [`WithJumps`](dynamics::WithJumps) for [`Jumps`](dynamics::Jumps), which may hang on a
+//!   [`Comparison`](dynamics::Comparison). [`Components`](dynamics::Components) are a start of any
+//!   form.
 //! - **Recorded orbits**: [`RecordedOrbit`](dynamics::RecordedOrbit) has every phase,
-//!   [`OrbitEvent`](dynamics::OrbitEvent) and passage, [`Points`](dynamics::Points) at the times
-//!   of a [`Sampling`](dynamics::Sampling), and the state at any time.
+//!   [`OrbitEvent`](dynamics::OrbitEvent) and passage, the states at the times of a
+//!   [`Sampling`](dynamics::Sampling), and the state at any time.
 //! - **Runs**: [`OrbitUnderWay`](dynamics::OrbitUnderWay) returns
 //!   [`OrbitProgress`](dynamics::OrbitProgress): [`Step`](dynamics::Step),
 //!   [`Phase`](dynamics::Phase), [`Transition`](dynamics::Transition),
@@ -226,23 +189,17 @@
 //!   [`Matrix`](dynamics::Matrix). A [`Listener`](dynamics::Listener) gets the steps of many
 //!   orbits, with what [`Watching`](dynamics::Watching) asks for.
 //!   [`Interrupt`](dynamics::Interrupt) ends a run, [`RunMemory`](dynamics::RunMemory) continues
-//!   one.
-//! - **Tangent vectors**: [`SmoothFlow`](dynamics::SmoothFlow) carries them over a step, by
-//!   [`Carrying`](dynamics::Carrying), and has every [`Guard`](dynamics::Guard) that ends it.
-//!   A [`Decision`](dynamics::Decision) tells by every [`Comparison`](dynamics::Comparison) whether
-//!   a jump happens. [`Reset`](dynamics::Reset) maps them at a jump,
-//!   [`KinkShift`](dynamics::KinkShift) at the kink of an input.
+//!   one. A [`SmoothFlow`](dynamics::SmoothFlow) is that of one mode, with every
+//!   [`Guard`](dynamics::Guard) that ends it.
 //!
 //! Numbers and tools:
 //! - **Numbers**: [`math`], functions with the same bits everywhere. [`scalar::Dual`] carries a
 //!   derivative, [`scalar::Interval`] bounds. [`nalgebra`] has the vectors and matrices.
-//! - **Solvers of your own**: [`ode::RungeKutta`] methods [`ode::Dop853`] and [`ode::Rk4`];
-//!   their [`ode::stages`] ([`ode::Stages`]) and [`ode::dense_slopes`] give a [`ode::Dense`]
-//!   solution of a [`ode::Linear`] vector. [`ode::henon_step`] takes one with [`ode::Timed`]
-//!   states.
+//! - **Solvers of your own**: [`ode::RungeKutta`] methods [`ode::Dop853`] and [`ode::Rk4`], with
+//!   [`ode::step_end`], a [`ode::Dense`] solution over a step, and [`ode::henon_step`] with
+//!   [`ode::Timed`] states.
 //! - **Errors**: [`Error`], with [`error::Point`], [`error::ContactFault`] and
-//!   [`error::Accumulation`]. [`error::readable`] writes a number, [`error::pile_up_in_words`]
-//!   a message.
+//!   [`error::Accumulation`]. [`error::readable`] writes a number.
 //!
 //! # Errors
 //! Every failure is an [`Error`] with the values that explain it. [`solve`] returns the orbit up to
@@ -275,14 +232,13 @@ pub use error::Error;
 pub use family::{Family, Member};
 pub use filippov::{
     AbsoluteTolerance, AtPileUp, AtRepelling, Contacts, Direction, EventFunctions, EventRecord,
-    EventSearch, Failure, Fate, Integration, Locator, Method, Observer, Options, OrbitWithEvents,
-    Phase, Plane, Progress, Several, Start, StepRecord, Strobe, Switched, Transition,
-    TransitionKind, Visibility, ensemble, fate, first_zero, normal_component, run, solve,
-    solve_with_events,
+    EventSearch, Failure, Fate, Integration, Locator, Method, Observer, Options, Phase, Progress,
+    Several, Start, StepRecord, Switched, Transition, TransitionKind, Visibility, ensemble, fate,
+    first_zero, run, solve, solve_with_events,
 };
 pub use orbit::{Approach, Counters, Ending, Orbit, Summary, TwoFold};
 pub use scalar::Scalar;
-pub use system::{Filippov, IntoState, Mode, Side, State, Unchecked, components};
+pub use system::{Filippov, IntoState, Mode, Side, State};
 
 /// The READMEs' examples are compiled and run with the documentation's.
 #[cfg(doctest)]

@@ -1,7 +1,7 @@
 //! The result of a run: phases, transitions, and the solution at any time.
 
 use crate::error::{Error, Point};
-use crate::filippov::{Phase, StepRecord, Transition, Visibility};
+use crate::filippov::{EventRecord, Phase, StepRecord, Transition, Visibility};
 use crate::system::{Mode, Side, State};
 
 /// Work of a run.
@@ -135,6 +135,8 @@ pub struct Orbit<const N: usize, K = Mode> {
     pub phases: Vec<Phase<N, K>>,
     /// Transitions in order of time. Every change of phase has one; most touches change none.
     pub transitions: Vec<Transition<N, K>>,
+    /// Events of [`crate::solve_with_events`] in order of time.
+    pub events: Vec<EventRecord<N, K>>,
     /// The steps in order of time.
     pub steps: Vec<StepRecord<N, K>>,
     /// Work done.
@@ -157,6 +159,7 @@ impl<const N: usize, K> Orbit<N, K> {
         Orbit {
             phases: Vec::new(),
             transitions: Vec::new(),
+            events: Vec::new(),
             steps: Vec::new(),
             counters: Counters::default(),
             ending: Ending::Failed,

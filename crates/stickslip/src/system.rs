@@ -11,7 +11,7 @@ pub type State<const N: usize> = SVector<f64, N>;
 
 /// The components of a state as an array, which the functions of a [`Filippov`] system take.
 #[inline(always)]
-pub fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
+pub(crate) fn components<const N: usize>(x: &State<N>) -> &[f64; N] {
     &x.data.0[0]
 }
 
@@ -241,66 +241,5 @@ impl<const N: usize, S: Filippov<N>> Filippov<N> for &S {
     }
     fn check_parameters(&self) -> Result<(), Error> {
         (**self).check_parameters()
-    }
-}
-
-/// A system whose parameters are not checked, for values that [`Filippov::check_parameters`]
-/// rejects, such as friction of the other sign.
-///
-/// ```
-/// use stickslip::{Ending, Error, Filippov, Options, Scalar, Side, Unchecked, solve};
-///
-/// /// A body on a floor, braked by this friction.
-/// #[derive(Clone, Copy)]
-/// struct Body(f64);
-///
-/// impl Filippov<1> for Body {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, _x: &[T; 1]) -> [T; 1] {
-///         [T::constant(-self.0 * side.sign())]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 1]) -> T {
-///         x[0]
-///     }
-///     fn check_parameters(&self) -> Result<(), Error> {
-///         let (name, value, bound) = ("friction", self.0, "positive");
-///         if value > 0.0 { Ok(()) } else { Err(Error::Parameter { name, value, bound }) }
-///     }
-/// }
-///
-/// // Friction that drives the body away.
-/// let driven = Body(-0.2);
-/// assert!(driven.checked().is_err());
-/// let orbit = solve(&Unchecked(driven), 0.0, [0.0], 1.0, &Options::default())?;
-/// assert_eq!(orbit.ending, Ending::Repelling);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unchecked<S>(pub S);
-
-impl<const N: usize, S: Filippov<N>> Filippov<N> for Unchecked<S> {
-    const INTERPRETED: bool = S::INTERPRETED;
-
-    #[inline(always)]
-    fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
-        self.0.field(side, t, x)
-    }
-    #[inline(always)]
-    fn holding<T: Scalar>(&self, side: Side, t: T, x: &[T; N]) -> [T; N] {
-        self.0.holding(side, t, x)
-    }
-    #[inline(always)]
-    fn boundary<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
-        self.0.boundary(t, x)
-    }
-    #[inline(always)]
-    fn contact<T: Scalar>(&self, t: T, x: &[T; N]) -> Option<T> {
-        self.0.contact(t, x)
-    }
-    #[inline(always)]
-    fn dimension(&self) -> usize {
-        self.0.dimension()
-    }
-    fn period<T: Scalar>(&self, x: &[T; N]) -> Option<T> {
-        self.0.period(x)
     }
 }

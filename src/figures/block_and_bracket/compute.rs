@@ -6,7 +6,7 @@ use crate::motion::{Class, Criterion, Evidence, SystemKind};
 use crate::paper::claim_id::SpectrumFigure;
 use crate::paper::models::{BlockAndBracket, Caption, Interpretation};
 use crate::terminal::ProgramError;
-use stickslip::analysis::{Spectrum, SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::analysis::{Spectrum, SpectrumOptions};
 use stickslip::{Error, Locator, Method, Options, State, run};
 use stickslip_series::{DataSettings, DataSpectrum, Neighbourhood, Series, data_spectrum};
 
@@ -150,7 +150,7 @@ fn literal(set: &FigureSet) -> Result<AsPrintedOutcome, Error> {
 /// Class of the motion of a set under one reading.
 ///
 /// # Errors
-/// Those of [`lyapunov_spectrum_watched`].
+/// Those of [`Spectrum::watched`].
 pub fn class(set: &FigureSet, reading: &Interpretation, solver: Options) -> Result<Class, Error> {
     let model = BlockAndBracket::from_caption(&set.caption, reading)?;
     Ok(measure(&model, set, solver)?.0.class)
@@ -184,7 +184,7 @@ fn measure<'a>(
     let settings = SpectrumOptions::over(START, END - START).solver(solver);
     let mut watch = OrbitRecorder::new(model, &settings.solver, set.shown);
     let start = (0.0, State::from(set.caption.start));
-    let spectrum = lyapunov_spectrum_watched(model, start, &settings, &mut watch)?;
+    let spectrum = Spectrum::watched(model, start, &settings, &mut watch)?;
     let of = (SystemKind::Flow, &spectrum.exponents[..], spectrum.duration);
     let evidence = Evidence::gather(&watch.turning_points.points, of, &Criterion::default());
     let measured = BoundedMotion {

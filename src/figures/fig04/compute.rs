@@ -5,7 +5,7 @@ use crate::numbers::{change_points, not_found};
 use crate::paper::TOLERANCE;
 use crate::paper::models::{BeltOscillator, BeltTangency};
 use crate::terminal::ProgramError;
-use stickslip::analysis::{multipliers, periodic_orbit};
+use stickslip::analysis::{PeriodicOrbit, multipliers};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, State, Transition, solve};
 
@@ -122,7 +122,7 @@ fn cycle(model: &BeltOscillator, options: &Options) -> Result<Cycle, Error> {
     };
     // Off Σ, a tenth of an oscillation before the crossing.
     let guess = settled.at(last - 0.1 * (last - before))?;
-    let orbit = periodic_orbit(model, guess, last - before, options)?;
+    let orbit = PeriodicOrbit::near(model, guess, last - before, options)?;
     let turn = solve(model, 0.0, &orbit.x, orbit.period, options)?;
     let (up, down) = (crossing(&turn, Side::Above)?, crossing(&turn, Side::Below)?);
     let acceleration = |side| model.field(side, up.t, up.x.as_ref())[1];

@@ -12,7 +12,7 @@ use crate::paper::published::LAST_DIGIT;
 use crate::paper::slip_times_three::{self, InjectedDefects};
 use crate::paper::{SETTLING_TOLERANCE, TOLERANCE, bounded};
 use crate::terminal::ProgramError;
-use stickslip::analysis::{multipliers, periodic_orbit_forced};
+use stickslip::analysis::{PeriodicOrbit, multipliers};
 use stickslip::{Error, Mode, Options, Side, State, solve};
 
 /// The listing's settled motion.
@@ -154,7 +154,7 @@ fn exact(model: &ForcedOscillator, options: &Options) -> Result<StatedMotion, Er
     let start = Setup::default().state();
     let whole_periods = (END / period).floor() * period;
     let settled = solve(model, 0.0, start, whole_periods, options)?;
-    let orbit = periodic_orbit_forced(model, 0.0, settled.x_end, period, options)?;
+    let orbit = PeriodicOrbit::near_forced(model, 0.0, settled.x_end, period, options)?;
     let turns = solve(model, 0.0, &orbit.x, PERIODS_SHOWN * period, options)?;
     let many = solve(model, 0.0, &orbit.x, PERIODS_COMPARED * period, options)?;
     let pattern = Pattern::of_phases(&many.phases, many.t_end, period);

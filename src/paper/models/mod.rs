@@ -6,6 +6,7 @@ pub mod cubic;
 mod forced;
 mod parameters;
 mod tangent_points;
+mod unchecked;
 
 pub use belt::BeltOscillator;
 pub use block_and_bracket::{
@@ -14,3 +15,4 @@ pub use block_and_bracket::{
 pub use forced::ForcedOscillator;
 pub use tangent_points::BeltTangency;
 pub(crate) use tangent_points::{tangency, visibility};
+pub use unchecked::Unchecked;

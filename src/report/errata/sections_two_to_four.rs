@@ -9,12 +9,12 @@ use crate::figures::rows::Value;
 use crate::numbers::extent;
 use crate::paper::TOLERANCE;
 use crate::paper::claim_id::ClaimId;
-use crate::paper::models::{BeltOscillator, ForcedOscillator};
+use crate::paper::models::{BeltOscillator, ForcedOscillator, Unchecked};
 use crate::paper::published::Claims;
 use crate::report::accuracy::{Accuracy, EventErrors};
 use crate::report::{belt_positions, tangent_at, until_escape};
 use numerics::bisect;
-use stickslip::{Ending, Error, Fate, State, Unchecked, fate};
+use stickslip::{Ending, Error, Fate, State, fate};
 
 /// Positions between the outer tangent points that are tested for sticking. The results are ratios
 /// over the same positions, so their number does not matter.

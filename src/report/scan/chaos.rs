@@ -6,7 +6,7 @@ use super::point::{double_well, starts};
 use crate::figures::block_and_bracket::{DIVERGED, TOLERANCE};
 use crate::numbers::extent;
 use crate::paper::models::ForcedOscillator;
-use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
+use stickslip::analysis::{Spectrum, SpectrumOptions};
 use stickslip::{Error, Mode, Observer, Options, Phase, State};
 
 /// Stride of the scan's starts that are integrated: all lead to motions of one kind.
@@ -148,7 +148,7 @@ fn follow(model: &ForcedOscillator, x: State<2>) -> Result<MeasuredStart, Error>
         from: transient,
         lengths: Vec::new(),
     };
-    let spectrum = lyapunov_spectrum_watched(model, (0.0, x), &settings, &mut sticks)?;
+    let spectrum = Spectrum::watched(model, (0.0, x), &settings, &mut sticks)?;
     let first = spectrum.exponents[0];
     Ok(MeasuredStart {
         lambda: first.value(),

@@ -3,14 +3,14 @@
 use crate::destination::{Destination, destination};
 use crate::figures::block_and_bracket::DIVERGED;
 use crate::numbers::largest;
-use crate::paper::models::ForcedOscillator;
+use crate::paper::models::{ForcedOscillator, Unchecked};
 use crate::paper::pattern::two_periodic;
 use crate::paper::published::LAST_DIGIT;
 use crate::paper::{ESCAPE, SETTLING_TOLERANCE};
 use crate::report::stick_exits;
 use crate::text::described;
 use stickslip::dynamics::{Components, Vector};
-use stickslip::{AtRepelling, Error, Options, State, Unchecked, solve};
+use stickslip::{AtRepelling, Error, Options, State, solve};
 
 described! {
     /// Class of the motion from a start.

@@ -7,7 +7,7 @@ mod extrapolated;
 mod second_opinion;
 
 use nalgebra::{Matrix2, Vector2};
-use stickslip::ode::{Rk4, stages};
+use stickslip::ode::{Rk4, step_end};
 use stickslip::{State, math};
 use stickslip_series::{
     DataError, DataSettings, DataSpectrum, DirectionKind, Estimator, MAX_COLUMNS, Neighbourhood,
@@ -114,7 +114,7 @@ fn flow<const N: usize>(
         }
         for _ in 0..SUBSTEPS {
             let first = slope(0.0, &x);
-            x = stages::<Rk4, f64, _>(&mut slope, 0.0, &x, first, dt / SUBSTEPS as f64).end;
+            x = step_end::<Rk4, _>(&mut slope, 0.0, &x, first, dt / SUBSTEPS as f64);
         }
     }
     rows

@@ -30,9 +30,9 @@ pub(super) fn put(
 ) -> Result<(), Failure> {
     let events = recording.orbit.events.iter();
     let transitions = events.filter(|at| at.transition().is_some());
-    let times = recording.orbit.points.iter().map(|(t, _)| t);
+    let times = recording.orbit.points().map(|(t, _)| t);
     let of_states: Vec<String> = column_names(system, variables, "").collect();
-    if !recording.orbit.points.is_empty() {
+    if recording.orbit.point_count() > 0 {
         let rows = times.zip(&found.states);
         let table = Table::new().column("t", |(t, _): &(f64, &Matrix)| *t).many(
             "dx",

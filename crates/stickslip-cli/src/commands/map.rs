@@ -6,7 +6,7 @@ use std::path::Path;
 use plot::{Axis, Cells, Color, Figure, LIGHT_GREY, Legend, PURPLE, Panel, SKY, WHITE};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{AttractorKind, Exponent, attractor_by_shooting, attractor_of_many};
+use stickslip::analysis::{Attractor, AttractorKind, Exponent};
 
 use super::arguments::{RunArguments, SolverArguments, StartArguments};
 use super::range::{ParameterRange, grid, middle, with_values};
@@ -126,9 +126,9 @@ impl Map {
             self.solver.options(&system)?,
         );
         let start = self.start.at_zero(&system, &[])?;
-        let reached = attractor_of_many(system.dynamics(), &*start, &settings, &options);
+        let reached = Attractor::of_any(system.dynamics(), &*start, &settings, &options);
         let reached = reached.map_err(|error| Failure::from(error).of(&system))?;
-        let reached = attractor_by_shooting(system.dynamics(), reached, &settings, &options);
+        let reached = reached.by_shooting(system.dynamics(), &settings, &options);
         let reached = reported(reached, |error| in_words(error, &system));
         let measured = largest::on(&system, &reached, self.duration, &options);
         let unmeasured = measured.as_ref().err();

@@ -8,7 +8,7 @@ use super::search::SearchArguments;
 use super::trajectory;
 use crate::failure::Failure;
 use crate::render::{CommandOutput, Report, Table, by_state, complex_within, explained, place};
-use stickslip::analysis::{Stability, multiplier_uncertainties, multipliers};
+use stickslip::analysis::{Stability, multipliers};
 use stickslip::error::readable;
 use stickslip::math::modulus;
 use stickslip_model::study::{extremes, phases_of_period};
@@ -87,7 +87,7 @@ fn report(prepared: &PreparedRun, arguments: &Arguments) -> Result<Report, Failu
     let trivial = usize::from(periods.is_none());
     let multipliers = multipliers(&orbit.monodromy);
     let (dynamics, is_forced) = (system.dynamics(), periods.is_some());
-    let uncertainties = multiplier_uncertainties(dynamics, &orbit, is_forced, options);
+    let uncertainties = orbit.multiplier_uncertainties(dynamics, is_forced, options);
     let with_uncertainties = multipliers.iter().zip(&uncertainties).enumerate();
     let lines = with_uncertainties.map(|(k, (multiplier, &uncertainty))| {
         let note = if k < trivial {

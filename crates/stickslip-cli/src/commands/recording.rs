@@ -374,14 +374,10 @@ impl Recording {
     pub(super) fn rows(&self) -> impl Iterator<Item = Row<'_>> {
         let (names, values) = &self.quantities;
         let count = names.len();
-        self.orbit
-            .points
-            .iter()
-            .enumerate()
-            .map(move |(k, (t, x))| {
-                let own = values.get(k * count..(k + 1) * count);
-                (t, x, own.unwrap_or_default())
-            })
+        self.orbit.points().enumerate().map(move |(k, (t, x))| {
+            let own = values.get(k * count..(k + 1) * count);
+            (t, x, own.unwrap_or_default())
+        })
     }
 
     /// Computes the quantities of the points that have none, in the mode of the last step.
@@ -390,7 +386,7 @@ impl Recording {
         let (Some(mode), false) = (self.mode, names.is_empty()) else {
             return;
         };
-        for (t, x) in self.orbit.points.from(values.len() / names.len()) {
+        for (t, x) in self.orbit.points_from(values.len() / names.len()) {
             values.extend(quantities.at(&mode, t, x));
         }
     }

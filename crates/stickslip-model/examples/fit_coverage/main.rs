@@ -10,10 +10,10 @@ use std::path::Path;
 
 use numerics::SplitMix;
 use rayon::prelude::*;
-use stickslip::analysis::Loss;
 use stickslip::{Options, math};
 use stickslip_model::file::{Source, SystemFile};
 use stickslip_model::study::fit::{FitRequest, Observable, Record, Unknown, fit};
+use stickslip_model::study::least_squares::Loss;
 
 /// A system, the end of its records, what is measured, and what is fitted. The text has the truth.
 struct Case {

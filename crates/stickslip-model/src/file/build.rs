@@ -42,7 +42,7 @@ pub struct Built {
     pub t_end: Option<f64>,
     /// Period in time.
     pub period: Option<f64>,
-    /// The same, where it depends on free parameters.
+    /// Period of the drive, where it depends on free parameters.
     pub free_period: Option<Tape>,
     /// Whether a field or boundary depends on time.
     pub depends_on_time: bool,

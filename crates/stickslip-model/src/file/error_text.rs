@@ -2,7 +2,7 @@
 //! options are written as the interface writes them.
 
 use stickslip::Error;
-use stickslip::error::{ContactFault, Point, pile_up_in_words, readable};
+use stickslip::error::{Accumulation, ContactFault, Point, readable};
 
 use super::System;
 use crate::study::negative_at;
@@ -72,7 +72,7 @@ pub trait Interface {
                     "{count} transitions at {} within {span:e} before t = {}, x = {x}: {}{help}",
                     names(contacts, &name),
                     readable(*t),
-                    pile_up_in_words(accumulation.as_deref(), *span, &rest)
+                    Accumulation::in_words(accumulation.as_deref(), *span, &rest)
                 )
             }
             Error::Contacts { t, x, fault } => contacts_in_words(self, fault, (&name, &at(t, x))),

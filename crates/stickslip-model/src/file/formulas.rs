@@ -30,7 +30,7 @@ pub(super) enum FormulaKey {
     WithForces(String),
     /// An expression in which some parameters are states.
     Observed(String, Box<Freed>),
-    /// The same in a mode of the only contact, with its friction force.
+    /// An observable in a mode of the only contact, with its friction force.
     ObservedInMode(String, Box<Freed>, Mode),
 }
 

@@ -17,7 +17,7 @@ impl System {
         all.nth(number).cloned().unwrap_or_default()
     }
 
-    /// What a solution reaches where the event function of a contact or a jump is zero, by the
+    /// Name of the surface on which the event function of a contact or a jump is zero, by the
     /// number of [`System::contact_name`].
     pub fn surface(&self, number: usize) -> String {
         let name = self.contact_name(number);

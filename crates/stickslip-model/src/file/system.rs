@@ -472,7 +472,9 @@ impl System {
 
     /// The sections of the system.
     pub fn sections(&self) -> Vec<Section> {
-        (0..self.built.sections.len()).map(Section::Own).collect()
+        (0..self.built.sections.len())
+            .map(Section::OfSystem)
+            .collect()
     }
 
     /// Initial state, if the file gives every component.

@@ -19,7 +19,7 @@ pub struct Choice {
     pub within: Vec<(usize, bool)>,
 }
 
-/// What a jump makes of a state.
+/// The map of a state by a jump.
 pub(super) type StateMap<'m> = dyn Fn(&mut [f64]) + 'm;
 
 /// The condition of a jump.

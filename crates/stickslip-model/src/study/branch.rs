@@ -4,9 +4,8 @@ use std::num::NonZeroUsize;
 
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Branch, BranchPoint, ContinuationSettings, Curve, CycleBifurcation, PeriodicOrbit,
-    SpecialPoint, Stop, SwitchedBranch, branch_multiplier_uncertainties, continue_change,
-    continue_end, continue_equilibrium, switch_branches_to,
+    Branch, BranchPoint, ContinuationSettings, Curve, CycleBifurcation, EquilibriumBranch,
+    PeriodicOrbit, SpecialPoint, Stop, SwitchedBranch,
 };
 use stickslip::dynamics::{DynamicsRef, Summary, Vector};
 use stickslip::{Ending, Error, Options};
@@ -16,7 +15,7 @@ use crate::file::{SettingError, System};
 use crate::kernel::{follow, ignore};
 
 /// A system along one of its parameters.
-pub struct Along<'a> {
+pub struct ParameterLine<'a> {
     system: &'a System,
     /// Number of the parameter.
     pub number: usize,
@@ -34,12 +33,13 @@ pub struct BranchOrbit {
     pub orbit: BranchPoint,
     /// Minimum and maximum of each state on the orbit.
     pub extremes: Vec<(f64, f64)>,
-    /// Uncertainty of each multiplier, as [`Along::find_uncertainties`] computes it; NaN before.
+    /// Uncertainty of each multiplier, as [`ParameterLine::find_uncertainties`] computes it; NaN
+    /// before.
     pub uncertainties: Vec<f64>,
 }
 
 /// A branch in both directions, from its lower to its upper end.
-pub struct WholeBranch {
+pub struct TwoSidedBranch {
     /// The orbits.
     pub points: Vec<BranchOrbit>,
     /// The special orbits, in the same order.
@@ -79,7 +79,7 @@ pub(super) fn found_twice<T>([down, up]: [&[T]; 2], of: impl Fn(&T) -> BesideFir
 /// A branch that begins at a special orbit of another one.
 pub struct SideBranch {
     /// Number of the branch on which it begins: 0 for the first, then those of
-    /// [`Along::side_branches`] in their order, from 1.
+    /// [`ParameterLine::side_branches`] in their order, from 1.
     pub parent: usize,
     /// Index of the special orbit of that branch at which it begins.
     pub from: usize,
@@ -87,10 +87,10 @@ pub struct SideBranch {
     /// both.
     pub to: Option<usize>,
     /// The branch.
-    pub branch: WholeBranch,
+    pub branch: TwoSidedBranch,
 }
 
-/// What is followed in two parameters.
+/// A special orbit or an end that is followed in two parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Followed {
     /// A special orbit, by its index.
@@ -102,7 +102,7 @@ pub enum Followed {
     },
 }
 
-impl<'a> Along<'a> {
+impl<'a> ParameterLine<'a> {
     /// A system along the named parameter, in a range.
     ///
     /// # Errors
@@ -114,7 +114,7 @@ impl<'a> Along<'a> {
         for end in [range.0, range.1] {
             system.driven_with(&[(name, end)])?;
         }
-        Ok(Along {
+        Ok(ParameterLine {
             system,
             number,
             name,
@@ -150,7 +150,7 @@ impl<'a> Along<'a> {
     /// The branch of equilibria through the one near a state, in both directions.
     ///
     /// # Errors
-    /// Those of [`continue_equilibrium`].
+    /// Those of [`EquilibriumBranch::through`].
     pub fn equilibria(
         &self,
         x: &[f64],
@@ -158,22 +158,23 @@ impl<'a> Along<'a> {
         options: &Options,
     ) -> Result<EquilibriaOfBranch, Error> {
         let x = [x, &[self.value]].concat();
-        let way = |upwards| continue_equilibrium(&self.dynamics, &*x, upwards, settings, options);
+        let way =
+            |upwards| EquilibriumBranch::through(&self.dynamics, &*x, upwards, settings, options);
         let (down, up) = rayon::join(|| way(false), || way(true));
         Ok(EquilibriaOfBranch::joined([down?, up?]))
     }
 
     /// The curve of a special orbit or end of a branch in two parameters. The system `both` has the
     /// second parameter, of some range, as the state before the own one, and `x` is the start of
-    /// [`Along::start`] with its value. `None` if no curve continues from it.
+    /// [`ParameterLine::start`] with its value. `None` if no curve continues from it.
     ///
     /// # Errors
-    /// Those of [`continue_change`] and [`continue_end`].
+    /// Those of [`Curve::of_special`] and [`Curve::of_end`].
     pub fn curve(
         &self,
         (both, range): (&DynamicsRef<'_>, (f64, f64)),
         (period, x): (f64, &Vector),
-        (branch, which): (&WholeBranch, Followed),
+        (branch, which): (&TwoSidedBranch, Followed),
         settings: &ContinuationSettings,
         options: &Options,
     ) -> Result<Option<Curve>, Error> {
@@ -182,9 +183,9 @@ impl<'a> Along<'a> {
             Followed::Special(number) => {
                 let special: Vec<&SpecialPoint> = branch.special.iter().collect();
                 let (upwards, counted) = branch.counted(&special, number);
-                continue_change(both, x, (period, upwards, counted), how, options)
+                Curve::of_special(both, x, (period, upwards, counted), how, options)
             }
-            Followed::End { upwards } => continue_end(both, x, (period, upwards), how, options),
+            Followed::End { upwards } => Curve::of_end(both, x, (period, upwards), how, options),
         };
         match curve {
             Ok(curve) => Ok(Some(curve)),
@@ -194,21 +195,21 @@ impl<'a> Along<'a> {
     }
 
     /// The branches that begin at a flip or branch point of a branch. Branches from their flips
-    /// follow, to a depth. `x` is the start of [`Along::start`]. `None` if none was found.
+    /// follow, to a depth. `x` is the start of [`ParameterLine::start`]. `None` if none was found.
     ///
     /// # Errors
-    /// Those of [`switch_branches_to`].
+    /// Those of [`SwitchedBranch::of_special`].
     pub fn switched(
         &self,
         (period, x): (f64, &Vector),
-        (branch, number): (&WholeBranch, usize),
+        (branch, number): (&TwoSidedBranch, usize),
         (settings, depth): (&ContinuationSettings, NonZeroUsize),
         options: &Options,
     ) -> Result<Option<SwitchedBranch>, Error> {
         let junctions: Vec<&SpecialPoint> = branch.junctions().map(|(_, at)| at).collect();
         let (upwards, counted) = branch.counted(&junctions, number);
         let way = (period, upwards, counted);
-        match switch_branches_to(&self.dynamics, x, way, (settings, depth), options) {
+        match SwitchedBranch::of_special(&self.dynamics, x, way, (settings, depth), options) {
             Err(Error::NotFound { .. }) => Ok(None),
             switched => Ok(Some(switched?)),
         }
@@ -219,10 +220,10 @@ impl<'a> Along<'a> {
     /// flip is kept from the first of both. Downwards each ends with its first orbit.
     ///
     /// # Errors
-    /// Those of [`Along::joined`].
+    /// Those of [`ParameterLine::joined`].
     pub fn side_branches<E: From<Error> + From<SettingError> + Send>(
         &self,
-        main: &WholeBranch,
+        main: &TwoSidedBranch,
         switched: Vec<(usize, SwitchedBranch)>,
         options: &Options,
     ) -> Result<Vec<SideBranch>, E> {
@@ -274,7 +275,7 @@ impl<'a> Along<'a> {
         &self,
         way: Branch,
         options: &Options,
-    ) -> Result<WholeBranch, E> {
+    ) -> Result<TwoSidedBranch, E> {
         let begin = Branch {
             points: way.points.iter().take(1).cloned().collect(),
             special: Vec::new(),
@@ -323,15 +324,14 @@ impl<'a> Along<'a> {
 
     /// Computes the uncertainties of the multipliers of all orbits of a branch. They stay NaN where
     /// an orbit is not found again, as after an interruption.
-    pub fn find_uncertainties(&self, branch: &mut WholeBranch, options: &Options) {
+    pub fn find_uncertainties(&self, branch: &mut TwoSidedBranch, options: &Options) {
         let is_forced = self.system.built.depends_on_time;
         branch.points.par_iter_mut().for_each(|point| {
             let orbit = &point.orbit;
             // The value of the parameter was allowed before.
             if let Ok(system) = self.system.with_values(&[(self.name, orbit.parameter)]) {
                 let dynamics = system.dynamics();
-                point.uncertainties =
-                    branch_multiplier_uncertainties(dynamics, orbit, is_forced, options);
+                point.uncertainties = orbit.multiplier_uncertainties(dynamics, is_forced, options);
             }
         });
     }
@@ -345,7 +345,7 @@ impl<'a> Along<'a> {
         &self,
         mut ways: [Branch; 2],
         options: &Options,
-    ) -> Result<WholeBranch, E> {
+    ) -> Result<TwoSidedBranch, E> {
         only_once(&mut ways);
         let [mut down, up] = ways;
         let twice = found_twice([&down.special, &up.special], |one| BesideFirst {
@@ -380,7 +380,7 @@ impl<'a> Along<'a> {
             }
             at
         });
-        Ok(WholeBranch {
+        Ok(TwoSidedBranch {
             points: points.collect::<Result<_, E>>()?,
             special: special.collect(),
             first,
@@ -424,7 +424,7 @@ fn whole(ended: Summary, period: f64) -> Result<Summary, Error> {
     }
 }
 
-impl WholeBranch {
+impl TwoSidedBranch {
     /// The special orbits at which other branches begin: flips and branch points, each with its
     /// index among all special orbits.
     pub fn junctions(&self) -> impl Iterator<Item = (usize, &SpecialPoint)> {
@@ -437,8 +437,8 @@ impl WholeBranch {
         })
     }
 
-    /// What is followed in two parameters, in the order of [`WholeBranch::special_rows`]: the
-    /// special orbits, except branch points, and the ends that have curves.
+    /// The special orbits, except branch points, and the ends that have curves in two parameters,
+    /// in the order of [`TwoSidedBranch::special_rows`].
     pub fn followed(&self) -> Vec<(Followed, SpecialPoint)> {
         let end = |upwards: bool, stop: &Stop, at: Option<&BranchOrbit>| {
             let at = &at?.orbit;
@@ -457,7 +457,7 @@ impl WholeBranch {
         first.into_iter().chain(special).chain(last).collect()
     }
 
-    /// The row of [`WholeBranch::special_rows`] of what is followed.
+    /// The row of [`TwoSidedBranch::special_rows`] of what is followed.
     pub fn row_of(&self, which: Followed) -> usize {
         let first = usize::from(self.ends()[0].bifurcation.is_some());
         match which {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use stickslip::analysis::{Criticality, CurveStop, CycleBifurcation, SpecialPoint, Stop};
 
-use super::WholeBranch;
+use super::TwoSidedBranch;
 use crate::file::System;
 
 /// A special orbit of a branch, or a bifurcation in which it ends, as a row of a table.
@@ -66,7 +66,7 @@ impl SpecialRow {
     }
 }
 
-impl WholeBranch {
+impl TwoSidedBranch {
     /// Why the branch ends, downwards and upwards.
     pub fn ends(&self) -> [BranchEnd; 2] {
         self.stops.each_ref().map(BranchEnd::from)
@@ -127,7 +127,7 @@ impl From<&Stop> for BranchEnd {
             Stop::Range => plain("range"),
             Stop::Points => plain("points"),
             Stop::Closed => plain("closed"),
-            Stop::Rest => plain("rest"),
+            Stop::HeldByFriction => plain("rest"),
             Stop::Refused(_) => plain("friction"),
             Stop::SequenceEnds => plain("sequence ends"),
             Stop::NoConvergence => plain("no convergence"),

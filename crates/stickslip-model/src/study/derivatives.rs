@@ -2,7 +2,6 @@
 
 use stickslip::analysis::{
     Differentiated, EventDerivatives, OrbitDerivatives, OrbitTangents, Variable,
-    orbit_derivatives_of,
 };
 use stickslip::dynamics::{
     DynamicsRef, Matrix, Moment, OrbitProgress, OrbitUnderWay, RecordedOrbit, Section, Vector,
@@ -139,7 +138,7 @@ impl Variables {
         let start = Moment { t, x };
         let found = varied.forms.iter().map(|form| {
             let of = form.of(system);
-            let found = orbit_derivatives_of(of, start.clone(), t_end, times, sections, options)?;
+            let found = of.derivatives(start.clone(), t_end, times, sections, options)?;
             Ok((found, &form.columns[..]))
         });
         let found = found.collect::<Result<Vec<_>, DerivativeError>>()?;
@@ -244,24 +243,24 @@ pub struct VariedTangents<'a> {
 }
 
 impl VariedTangents<'_> {
-    /// As [`OrbitTangents::step`], at the points of a record that have no derivatives yet.
+    /// [`OrbitTangents::step`] of all parts, at the points of a record without derivatives.
     pub fn step(&mut self, record: &RecordedOrbit, orbit: &mut dyn OrbitUnderWay) {
         let step = orbit.last_step();
         for (tangents, _) in &mut self.parts {
-            let points = record.points.from(tangents.recorded());
+            let points = record.points_from(tangents.recorded());
             let times: Vec<f64> = points.map(|(t, _)| t).collect();
             tangents.step(&step, &times, orbit);
         }
     }
 
-    /// As [`OrbitTangents::event`].
+    /// [`OrbitTangents::event`] of all parts.
     pub fn event(&mut self, progress: &OrbitProgress) {
         for (tangents, _) in &mut self.parts {
             tangents.event(progress);
         }
     }
 
-    /// As [`OrbitTangents::finish`].
+    /// [`OrbitTangents::finish`] of all parts.
     pub fn finish<T>(self, record: &RecordedOrbit, ended: &Result<T, Error>) -> OrbitDerivatives {
         let parts = self.parts.into_iter();
         joined(

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 use stickslip::analysis::{
     Attractor, AttractorChange, AttractorKind, Exponent, StepBudget, SweepPoint, WhatChanges,
-    attractor, attractor_by_shooting, attractor_of_many, carried_on, is_change, locate_changes,
-    locate_changes_within,
+    attractor, locate_changes,
 };
 use stickslip::dynamics::{Moment, Phase, Vector};
 use stickslip::{Error, Options};
@@ -117,7 +116,7 @@ impl Diagram<'_> {
             Some(AtValue { carried, .. }) => {
                 let x = carried.clone();
                 let carried = system.admitted(&Moment { t: 0.0, x }).x;
-                let reached = attractor_of_many(system, &carried, &settings, self.options)?;
+                let reached = Attractor::of_any(system, &carried, &settings, self.options)?;
                 (carried, reached)
             }
             None => {
@@ -126,7 +125,7 @@ impl Diagram<'_> {
                 (start, reached)
             }
         };
-        let reached = attractor_by_shooting(system, reached, &settings, self.options);
+        let reached = reached.by_shooting(system, &settings, self.options);
         let reached = reported(reached, |error| describe(error, &here));
         let steps = reached.steps;
         let (unspent, credited) = match last {
@@ -150,7 +149,7 @@ impl Diagram<'_> {
             value,
             unspent,
             credited,
-            carried: carried_on(&reached, &settings).cloned().unwrap_or(start),
+            carried: reached.next_start(&settings).cloned().unwrap_or(start),
             unmeasured: measured.as_ref().err().map(|error| describe(error, &here)),
             largest: measured.unwrap_or(None),
             reached,
@@ -188,13 +187,10 @@ impl Diagram<'_> {
             .with_states_of(&[here.file.parameter(self.parameter)?])
             .ok();
         let located = along.and_then(|along| {
-            let located = match budget {
-                Some(budget) => locate_changes_within(&along, &points, forcing, &options, budget),
-                None => locate_changes(&along, &points, forcing, &options),
-            };
+            let located = locate_changes(&along, &points, forcing, (&options, budget));
             located.ok()
         });
-        let is_change = || is_change(&points[0].reached, &points[1].reached);
+        let is_change = || points[0].reached.is_changed_to(&points[1].reached);
         let Some(located) = located.or_else(|| (!is_change()).then(Vec::new)) else {
             let (between, what) = ((ends[0].value, ends[1].value), WhatChanges::Unlocated);
             return Ok(vec![AttractorChange { between, what }]);

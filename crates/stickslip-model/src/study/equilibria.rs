@@ -4,7 +4,6 @@ use rayon::prelude::*;
 use stickslip::analysis::{
     AttractorKind, ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch,
     EquilibriumCurve, EquilibriumPoint, RecurrenceSettings, SpecialEquilibrium, Stop, attractor,
-    continue_special_equilibrium,
 };
 use stickslip::dynamics::{DynamicsRef, Vector};
 use stickslip::{Error, Options};
@@ -69,7 +68,7 @@ impl EquilibriaOfBranch {
     /// state before the own one.
     ///
     /// # Errors
-    /// Those of [`continue_special_equilibrium`].
+    /// Those of [`SpecialEquilibrium::curve`].
     pub fn curves(
         &self,
         (both, value, range): (&DynamicsRef<'_>, f64, (f64, f64)),
@@ -80,7 +79,7 @@ impl EquilibriaOfBranch {
         let special = special.filter(|(_, at)| at.what != EquilibriumBifurcation::BranchPoint);
         let curve = |(k, at): (usize, &SpecialEquilibrium)| {
             let how = (settings, range);
-            match continue_special_equilibrium(both, at, (value, &self.sizes), how) {
+            match at.curve(both, (value, &self.sizes), how) {
                 Ok(curve) => Ok((k, Some(curve))),
                 Err(Error::NotFound { .. }) => Ok((k, None)),
                 Err(error) => Err(error),

@@ -1,6 +1,6 @@
 //! The largest Lyapunov exponent of an attractor, where it could be measured.
 
-use stickslip::analysis::{Attractor, Exponent, SpectrumOptions, largest_exponent};
+use stickslip::analysis::{Attractor, Exponent, SpectrumOptions};
 use stickslip::{Error, Options};
 
 use crate::file::System;
@@ -37,7 +37,7 @@ pub fn numbers(largest: Option<Exponent>, duration: f64) -> [Option<f64>; 3] {
 /// attractor.
 ///
 /// # Errors
-/// Those of [`largest_exponent`]: the orbit could not be followed, or has no derivative.
+/// Those of [`Exponent::largest`]: the orbit could not be followed, or has no derivative.
 pub fn on(
     system: &System,
     reached: &Attractor,
@@ -49,5 +49,5 @@ pub fn on(
     }
     // The orbit is on the attractor already; only the tangent vector has to align.
     let settings = SpectrumOptions::over(0.1 * duration, duration).solver(*options);
-    largest_exponent(system.dynamics(), (reached.t, &reached.x), &settings).map(Some)
+    Exponent::largest(system.dynamics(), (reached.t, &reached.x), &settings).map(Some)
 }

@@ -11,6 +11,7 @@ mod extremes;
 pub mod fit;
 mod friction;
 pub mod largest;
+pub mod least_squares;
 mod orbit_derivatives;
 pub mod past;
 mod phases;
@@ -24,7 +25,7 @@ mod warnings;
 use stickslip::analysis::RecurrenceSettings;
 
 pub use at_start::{jumps_at_start, left_out_at_start};
-pub use branch::{Along, BranchOrbit, Followed, SideBranch, WholeBranch};
+pub use branch::{BranchOrbit, Followed, ParameterLine, SideBranch, TwoSidedBranch};
 pub use branch_rows::{BranchEnd, SpecialRow, criticality_of, word_of_curve_stop};
 pub use derivatives::{
     DerivativeError, NoVariable, START_TIME, Variables, VariedSystem, VariedTangents,

@@ -2,10 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{
-    PeriodicDerivatives, PeriodicOrbit, multipliers, periodic_derivatives, periodic_orbit,
-    periodic_orbit_forced,
-};
+use stickslip::analysis::{PeriodicDerivatives, PeriodicOrbit, multipliers};
 use stickslip::dynamics::{Modes, OrbitProgress, OrbitUnderWay, Phase, Vector};
 use stickslip::math::modulus;
 use stickslip::nalgebra::Complex;
@@ -137,7 +134,7 @@ impl OrbitVariables {
         let values = self.parameters.iter();
         let values: Vec<f64> = values.map(|&number| system.values[number]).collect();
         let extended = system.with_states_of(&self.parameters)?;
-        let found = periodic_derivatives(&extended, orbit, &values, is_forced, options)?;
+        let found = orbit.derivatives(&extended, &values, is_forced, options)?;
         let base = Base {
             system,
             orbit,
@@ -311,10 +308,14 @@ impl Base<'_> {
         let period = drive.unwrap_or(self.orbit.period + of.period * by);
         let (dynamics, options) = (system.dynamics(), self.options);
         let found = match drive {
-            Some(_) => {
-                periodic_orbit_forced(dynamics, self.orbit.t, predicted.clone(), period, options)
-            }
-            None => periodic_orbit(dynamics, predicted.clone(), period, options),
+            Some(_) => PeriodicOrbit::near_forced(
+                dynamics,
+                self.orbit.t,
+                predicted.clone(),
+                period,
+                options,
+            ),
+            None => PeriodicOrbit::near(dynamics, predicted.clone(), period, options),
         };
         let Ok(found) = found else {
             return Err(none());

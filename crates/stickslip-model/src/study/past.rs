@@ -90,7 +90,7 @@ impl<'s> PastWatch<'s> {
             step.t_start + part * (step.t_end - step.t_start)
         };
         let guards = flow.guards().into_iter();
-        let own = guards.filter(|guard| !guard.is_of_jump && !guard.goes_on);
+        let own = guards.filter(|guard| !guard.is_of_jump && !guard.continues_phase);
         let touched = own.filter_map(|guard| {
             let rate = |t: f64| flow.guard_jet(guard.number, &state(t))[1];
             let (mut from, mut falls) = (step.t_start, rate(step.t_start) < 0.0);

@@ -2,10 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{
-    Attractor, AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor, find_periodic_orbit,
-    periodic_orbit, periodic_orbit_forced, with_shortest_period,
-};
+use stickslip::analysis::{Attractor, AttractorKind, PeriodicOrbit, RecurrenceSettings, attractor};
 use stickslip::dynamics::{OrbitProgress, Summary, Vector};
 use stickslip::error::Point;
 use stickslip::{Ending, Error, Options};
@@ -135,8 +132,8 @@ impl PeriodicSearch {
             let drive = Some(period).filter(|_| system.built.depends_on_time);
             let (t, x) = search.after_transient(t, x, drive)?;
             let orbit = match drive {
-                Some(period) => periodic_orbit_forced(dynamics, t, &x, period, options),
-                None => periodic_orbit(dynamics, &x, period, options),
+                Some(period) => PeriodicOrbit::near_forced(dynamics, t, &x, period, options),
+                None => PeriodicOrbit::near(dynamics, &x, period, options),
             };
             return Ok((orbit?, None));
         }
@@ -174,7 +171,7 @@ impl OrbitSearch<'_> {
         let (t, x) = self.after_transient(t, x, None)?;
         let (system, longest) = (self.system.dynamics(), self.settings.longest);
         // The search counts time from the end of the transient; its errors get the file's time.
-        let found = find_periodic_orbit(system, &x, 0.0, longest, self.options);
+        let found = PeriodicOrbit::approached(system, &x, 0.0, longest, self.options);
         found.map_err(|error| match error {
             Error::NotFound { what, span, .. } => Error::NotFound { what, t, span },
             other => other,
@@ -204,10 +201,10 @@ impl OrbitSearch<'_> {
             return Err(SearchError::Held { x: (&x).into() });
         }
         let (system, options) = (self.system.dynamics(), self.options);
-        let orbit = periodic_orbit_forced(system, t, &x, period, options)?;
+        let orbit = PeriodicOrbit::near_forced(system, t, &x, period, options)?;
         let orbit = match given {
             Some(_) => orbit,
-            None => with_shortest_period(system, orbit, Some(drive), options)?,
+            None => orbit.with_shortest_period(system, Some(drive), options)?,
         };
         let count = (orbit.period / drive).round() as u32;
         Ok((orbit, Some(count)))

@@ -10,7 +10,8 @@ use stickslip::analysis::{
 use stickslip::{Options, math};
 use stickslip_model::file::{Interface, System};
 use stickslip_model::study::{
-    Along, EquilibriaOfBranch, WholeBranch, boundary_of, equilibrium, extremes, recurrence,
+    EquilibriaOfBranch, ParameterLine, TwoSidedBranch, boundary_of, equilibrium, extremes,
+    recurrence,
 };
 
 use crate::run::{
@@ -24,7 +25,7 @@ fn followed(
     text: &str,
     settings: &[(&str, f64)],
     range: (&str, f64, f64),
-) -> (System, WholeBranch) {
+) -> (System, TwoSidedBranch) {
     followed_by(text, settings, range, &options("taylor"))
 }
 
@@ -33,26 +34,26 @@ fn followed_by(
     settings: &[(&str, f64)],
     range: (&str, f64, f64),
     options: &Options,
-) -> (System, WholeBranch) {
+) -> (System, TwoSidedBranch) {
     let system = with(text, settings);
     let branch = branch(&system, range, options);
     (system, branch)
 }
 
 /// Names and parameters of the special orbits.
-fn special(branch: &WholeBranch) -> Vec<(String, f64)> {
+fn special(branch: &TwoSidedBranch) -> Vec<(String, f64)> {
     let special = branch.special.iter();
     special
         .map(|at| (at.what.to_string(), at.parameter))
         .collect()
 }
 
-fn ends(branch: &WholeBranch) -> [&'static str; 2] {
+fn ends(branch: &TwoSidedBranch) -> [&'static str; 2] {
     branch.ends().map(|end| end.word)
 }
 
 /// Letters of the phases of each orbit.
-fn phases(system: &System, branch: &WholeBranch) -> Vec<String> {
+fn phases(system: &System, branch: &TwoSidedBranch) -> Vec<String> {
     let points = branch.points.iter();
     points
         .map(|point| system.sequence(&point.orbit.sequence))
@@ -506,7 +507,7 @@ fn equilibria(text: &str, (name, low, high): (&str, f64, f64)) -> (System, Equil
         step: 0.02,
         ..ContinuationSettings::over(low, high)
     };
-    let along = Along::new(&system, name, (low, high)).unwrap();
+    let along = ParameterLine::new(&system, name, (low, high)).unwrap();
     let branch = along.equilibria(&x, &settings, &options).unwrap();
     (system, branch)
 }
@@ -762,7 +763,7 @@ fn equilibria_of_random_fields_lie_where_their_modes_hold() {
         let Ok(x) = equilibrium(&system, &system.start().unwrap(), None, &options) else {
             continue;
         };
-        let along = Along::new(&system, "a", (-2.0, 2.0)).unwrap();
+        let along = ParameterLine::new(&system, "a", (-2.0, 2.0)).unwrap();
         let settings = ContinuationSettings::over(-2.0, 2.0);
         let Ok(branch) = along.equilibria(&x, &settings, &options) else {
             continue;

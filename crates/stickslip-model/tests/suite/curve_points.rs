@@ -11,7 +11,7 @@ use stickslip::{Options, math};
 
 use crate::run::{branch, options, orbit, system, with};
 use crate::special_orbits::{CUSP, DOUBLED, Range, curves, of_one_period};
-use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch};
+use stickslip_model::study::{Followed, ParameterLine, SideBranch, TwoSidedBranch};
 
 /// Why a branch could not be joined.
 type Failed = Box<dyn std::error::Error + Send + Sync>;
@@ -529,11 +529,11 @@ x = 0.6
 "#;
 
 /// The branches that begin on the branch of an orbit of one period, to a depth.
-fn side_branches(text: &str, range: Range, depth: usize) -> (WholeBranch, Vec<SideBranch>) {
+fn side_branches(text: &str, range: Range, depth: usize) -> (TwoSidedBranch, Vec<SideBranch>) {
     let (name, low, high) = range;
     let (system, options) = (system(text), options("taylor"));
     let orbit = of_one_period(&system);
-    let along = Along::new(&system, name, (low, high)).unwrap();
+    let along = ParameterLine::new(&system, name, (low, high)).unwrap();
     let settings = ContinuationSettings::over(low, high);
     let (settings, x) = along.start(&orbit, &settings, &options, None).unwrap();
     let begin = |upwards| {
@@ -630,7 +630,7 @@ fn the_two_fold_in_which_a_branch_ends_is_followed_as_its_row_says() {
         (&CycleBifurcation::TwoFold, 0)
     );
     assert_eq!(whole.special_rows(&system)[0].name, "two-fold");
-    let along = Along::new(&system, "p", (range.1, range.2)).unwrap();
+    let along = ParameterLine::new(&system, "p", (range.1, range.2)).unwrap();
     let number = system.file.parameter("q").unwrap();
     let both = system.with_states_of(&[number, along.number]).unwrap();
     let begin = orbit(&system, &options);

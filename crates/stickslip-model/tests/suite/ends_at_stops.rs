@@ -7,7 +7,7 @@ use numerics::bisect;
 use stickslip::analysis::{CycleBifurcation, SequenceBifurcation, SequenceChange};
 use stickslip::{Error, math};
 use stickslip_model::file::System;
-use stickslip_model::study::{SearchError, WholeBranch};
+use stickslip_model::study::{SearchError, TwoSidedBranch};
 
 use super::run::{METHODS, Run, SEARCH, branch, options, system, with};
 
@@ -48,7 +48,7 @@ period = "2*pi"
 }
 
 /// The changes of the phases on a branch, each with the names of what changes.
-fn changes<'b>(system: &System, branch: &'b WholeBranch) -> Vec<(&'b SequenceChange, String)> {
+fn changes<'b>(system: &System, branch: &'b TwoSidedBranch) -> Vec<(&'b SequenceChange, String)> {
     let changes = branch.special.iter().filter_map(|at| match &at.what {
         CycleBifurcation::Sequence(change) => Some(&**change),
         _ => None,

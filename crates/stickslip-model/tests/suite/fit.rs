@@ -2,11 +2,11 @@
 
 use numerics::SplitMix;
 use stickslip::Options;
-use stickslip::analysis::{LeastSquaresEnd, Loss};
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::math;
 use stickslip_model::file::SystemFile;
 use stickslip_model::study::fit::{Fit, FitError, FitRequest, Observable, Record, Unknown, fit};
+use stickslip_model::study::least_squares::{LeastSquaresEnd, Loss};
 
 use super::run::{options, parsed};
 

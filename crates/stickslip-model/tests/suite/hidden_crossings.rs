@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_3;
 use stickslip::analysis::{
     ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, SpecialPoint,
 };
-use stickslip_model::study::{Along, EquilibriaOfBranch, PeriodicSearch};
+use stickslip_model::study::{EquilibriaOfBranch, ParameterLine, PeriodicSearch};
 
 use crate::run::{SEARCH, branch_through, options, orbit, orbit_from, system, with};
 
@@ -151,7 +151,7 @@ fn equilibria(states: &[(&str, &str)]) -> EquilibriaOfBranch {
         each(&|_| "0".to_owned())
     );
     let (system, options) = (system(&text), options("taylor"));
-    let along = Along::new(&system, "p", (-0.5, 0.5)).unwrap();
+    let along = ParameterLine::new(&system, "p", (-0.5, 0.5)).unwrap();
     let settings = ContinuationSettings::over(-0.5, 0.5);
     let start = system.start().unwrap();
     along.equilibria(&start, &settings, &options).unwrap()

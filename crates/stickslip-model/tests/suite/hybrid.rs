@@ -4,14 +4,14 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    CycleBifurcation, SequenceBifurcation, SpecialPoint, SpectrumOptions, Stop, lyapunov_spectrum,
-    monodromy,
+    CycleBifurcation, Monodromy, SequenceBifurcation, SpecialPoint, SpectrumOptions, Stop,
+    lyapunov_spectrum,
 };
 use stickslip::dynamics::{DynamicsRef, Matrix, Moment, OrbitProgress, Vector};
 use stickslip::nalgebra::{Matrix2, RowVector2, Vector2};
 use stickslip::{Ending, Error, Options, math};
 use stickslip_model::file::SystemFile;
-use stickslip_model::study::{PeriodicSearch, WholeBranch, extremes};
+use stickslip_model::study::{PeriodicSearch, TwoSidedBranch, extremes};
 
 use crate::run::{
     METHODS, Run, SEARCH, branch, branch_through, end, failed, flips, options, orbit, orbit_from,
@@ -453,7 +453,7 @@ fn derivatives_go_through_jumps_of_each_kind() {
         let system = system(&text);
         let t_end = if text.contains("buck") { 0.0031 } else { 9.7 };
         for method in METHODS {
-            let found = monodromy(
+            let found = Monodromy::of(
                 system.dynamics(),
                 0.0,
                 start.as_slice(),
@@ -560,7 +560,7 @@ fn an_exact_graze_has_no_monodromy_matrix() {
              direction = \"rising\"\nset = {{ v = \"-0.8*v\" }}\n[start]\nx = 0\nv = 0\n"
         ));
         let dynamics = system.dynamics();
-        let flow = monodromy(dynamics, 0.0, &start[..], period, &options(method));
+        let flow = Monodromy::of(dynamics, 0.0, &start[..], period, &options(method));
         match beyond > 0.0 {
             true => {
                 let determinant = flow.unwrap().matrix.determinant();
@@ -576,7 +576,7 @@ fn an_exact_graze_has_no_monodromy_matrix() {
 }
 
 /// The changes of the phases on a branch.
-fn changes(branch: &WholeBranch) -> Vec<&SpecialPoint> {
+fn changes(branch: &TwoSidedBranch) -> Vec<&SpecialPoint> {
     let is_change = |at: &&SpecialPoint| matches!(at.what, CycleBifurcation::Sequence(_));
     branch.special.iter().filter(is_change).collect()
 }
@@ -981,7 +981,7 @@ fn derivatives_by_a_parameter_go_with_the_kinks_that_it_moves() {
         let system = system(&by(input)).with_states_of(&[0]).unwrap();
         let start = [0.1, 0.0, 0.3];
         for method in METHODS {
-            let found = monodromy(&system, 0.0, start.as_slice(), 6.1, &options(method));
+            let found = Monodromy::of(&system, 0.0, start.as_slice(), 6.1, &options(method));
             let found = found.unwrap().matrix;
             let exact = by_differences(&system, &start, 6.1, &[0, 1, 2]);
             let off = (&found - &exact).amax();

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::monodromy;
+use stickslip::analysis::Monodromy;
 use stickslip::dynamics::{Moment, OrbitProgress, OrbitUnderWay, Vector};
 use stickslip::math::exp;
 use stickslip::{Method, Options};
@@ -154,7 +154,7 @@ fn derivatives_by_a_width_go_with_the_kink_that_it_moves() {
         let options = Options::tol(1e-13).method(method);
         for (w, t) in [(0.3_f64, 2.0_f64), (0.5, 2.0), (0.7, 3.9)] {
             let start = [0.2, w];
-            let found = monodromy(&system, 0.0, start.as_slice(), t, &options)
+            let found = Monodromy::of(&system, 0.0, start.as_slice(), t, &options)
                 .unwrap()
                 .matrix;
             // All falls before t.

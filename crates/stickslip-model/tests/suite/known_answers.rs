@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent, lyapunov_spectrum};
+use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
 use stickslip::{Method, Options, Side, Visibility, math};
 use stickslip_model::file::SystemFile;
 use stickslip_model::study::extremes;
@@ -30,7 +30,7 @@ fn the_largest_exponent_alone_is_the_first_of_the_spectrum() {
         let settings = SpectrumOptions::over(50.0, 400.0).solver(taylor());
         let start = (0.0, start.as_slice());
         let all = lyapunov_spectrum(system.dynamics(), start, &settings).unwrap();
-        let alone = largest_exponent(system.dynamics(), start, &settings).unwrap();
+        let alone = Exponent::largest(system.dynamics(), start, &settings).unwrap();
         assert_eq!(alone, all.exponents[0], "{}", system.file.name);
     }
 }

@@ -1,6 +1,6 @@
 //! Derivatives of periodic orbits, against closed forms and differences of orbits.
 
-use stickslip::analysis::{PeriodicOrbit, multipliers, periodic_orbit, periodic_orbit_forced};
+use stickslip::analysis::{PeriodicOrbit, multipliers};
 use stickslip::dynamics::Moment;
 use stickslip::math::{exp, ln};
 use stickslip::nalgebra::Complex;
@@ -213,9 +213,9 @@ fn changed(
     let found = match (other.built.depends_on_time, other.built.period) {
         (true, Some(drive)) => {
             let periods = (orbit.period / system.built.period.unwrap()).round();
-            periodic_orbit_forced(dynamics, system.built.t_start, x, periods * drive, options)
+            PeriodicOrbit::near_forced(dynamics, system.built.t_start, x, periods * drive, options)
         }
-        _ => periodic_orbit(dynamics, x, orbit.period, options),
+        _ => PeriodicOrbit::near(dynamics, x, orbit.period, options),
     };
     let found = found.unwrap();
     let (start, t_end) = ((found.t, found.x.as_slice()), found.t + found.period);

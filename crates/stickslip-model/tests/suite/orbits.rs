@@ -4,13 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use stickslip::analysis::{
     Branch, ContinuationSettings, CycleBifurcation, PeriodicOrbit, SequenceBifurcation,
-    SpecialPoint, Stop, branch_multiplier_uncertainties, continue_periodic_orbit,
-    multiplier_uncertainties, multipliers,
+    SpecialPoint, Stop, continue_periodic_orbit, multipliers,
 };
 use stickslip::math;
 use stickslip::{Method, Options};
 use stickslip_model::file::System;
-use stickslip_model::study::{Along, PeriodicSearch};
+use stickslip_model::study::{ParameterLine, PeriodicSearch};
 
 use crate::run::{SEARCH, options, orbit_from, system, with};
 
@@ -30,7 +29,7 @@ fn branch(
     (orbit, upwards): (&PeriodicOrbit, bool),
     options: &Options,
 ) -> Branch {
-    let along = Along::new(system, name, (low, high)).unwrap();
+    let along = ParameterLine::new(system, name, (low, high)).unwrap();
     let settings = ContinuationSettings::over(low, high);
     let (settings, x) = along.start(orbit, &settings, options, None).unwrap();
     let period = orbit.period;
@@ -68,7 +67,7 @@ fn a_forced_orbit_has_the_period_of_its_drive_and_is_isolated_in_any_unit_of_tim
                     let what = format!("{period:e}, {decay}, {options:?}");
                     assert_eq!((found.period, found.family), (period, 0), "{what}");
                     let value = multipliers(&found.monodromy)[0].re;
-                    let of = multiplier_uncertainties(system.dynamics(), &found, true, &options);
+                    let of = found.multiplier_uncertainties(system.dynamics(), true, &options);
                     let off = (value - math::exp(-decay)).abs();
                     assert!(off <= of[0], "{what}: {off:e} beyond {:e}", of[0]);
                 }
@@ -105,7 +104,7 @@ fn every_orbit_of_a_forced_branch_has_the_period_of_the_drive() {
     for at in &branch.points {
         let b = at.parameter;
         let here = system.with_values(&[("b", b)]).unwrap();
-        let of = branch_multiplier_uncertainties(here.dynamics(), at, true, &options);
+        let of = at.multiplier_uncertainties(here.dynamics(), true, &options);
         let off = (at.multipliers[0].re - math::exp(-1000.0 * b * 4e-6)).abs();
         assert_eq!(of.len(), at.multipliers.len());
         assert!(

@@ -10,7 +10,7 @@ use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Passage, Summary};
 use stickslip::{Ending, Error, Method, Options};
 use stickslip_model::file::{InputShape, Interface, Source, System, SystemFile};
 use stickslip_model::kernel::follow;
-use stickslip_model::study::{Along, PeriodicSearch, WholeBranch};
+use stickslip_model::study::{ParameterLine, PeriodicSearch, TwoSidedBranch};
 
 pub const METHODS: [&str; 2] = ["taylor", "dop853"];
 
@@ -208,7 +208,7 @@ pub fn branch(
     system: &System,
     (parameter, low, high): (&str, f64, f64),
     options: &Options,
-) -> WholeBranch {
+) -> TwoSidedBranch {
     let orbit = orbit(system, options);
     branch_through(system, &orbit, (parameter, low, high), 0.02, options)
 }
@@ -220,8 +220,8 @@ pub fn branch_through(
     (parameter, low, high): (&str, f64, f64),
     step: f64,
     options: &Options,
-) -> WholeBranch {
-    let along = Along::new(system, parameter, (low, high)).unwrap();
+) -> TwoSidedBranch {
+    let along = ParameterLine::new(system, parameter, (low, high)).unwrap();
     let settings = ContinuationSettings {
         step,
         ..ContinuationSettings::over(low, high)
@@ -238,7 +238,7 @@ pub fn branch_through(
 }
 
 /// The flips on a branch.
-pub fn flips(branch: &WholeBranch) -> Vec<&SpecialPoint> {
+pub fn flips(branch: &TwoSidedBranch) -> Vec<&SpecialPoint> {
     let is_flip = |at: &&SpecialPoint| at.what == CycleBifurcation::Flip;
     branch.special.iter().filter(is_flip).collect()
 }

@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use stickslip::analysis::{
-    AttractorKind, RecurrenceSettings, attractor_of_many, attractors_of_many,
-};
+use stickslip::analysis::{Attractor, AttractorKind, RecurrenceSettings};
 use stickslip::dynamics::Interrupt;
 use stickslip::{Error, Method, Options};
 use stickslip_model::file::System;
@@ -35,10 +33,10 @@ fn compare(name: &str, system: &System, starts: &[Vec<f64>], until: f64) {
         let options = Options::tol(1e-9).method(method);
         let system = system.dynamics();
         let each = starts.iter().map(Vec::as_slice);
-        let together = attractors_of_many(system, each, &settings, &options).unwrap();
+        let together = Attractor::of_all(system, each, &settings, &options).unwrap();
         assert_eq!(together.len(), starts.len(), "{name}");
         for (start, together) in starts.iter().zip(together) {
-            let alone = attractor_of_many(system, start.as_slice(), &settings, &options).unwrap();
+            let alone = Attractor::of_any(system, start.as_slice(), &settings, &options).unwrap();
             // Texts differ if a bit of a number does, and NaN equals itself.
             let [alone, together] = [alone, together].map(|reached| format!("{reached:?}"));
             assert_eq!(together, alone, "{name} from {start:?}");
@@ -79,7 +77,7 @@ fn where_comparisons_differ_between_orbits_and_some_cannot_begin() {
     let settings = RecurrenceSettings::within(60.0);
     let options = Options::tol(1e-9).method(Method::Taylor);
     let each = starts.iter().map(Vec::as_slice);
-    let reached = attractors_of_many(stop.dynamics(), each, &settings, &options).unwrap();
+    let reached = Attractor::of_all(stop.dynamics(), each, &settings, &options).unwrap();
     let outside = |kind: &AttractorKind| {
         matches!(
             kind,
@@ -113,7 +111,7 @@ fn an_interrupt_ends_all_of_them_at_their_next_step() {
         let settings = RecurrenceSettings::within(500.0);
         let options = Options::tol(1e-9).method(Method::Taylor);
         let each = starts.iter().map(Vec::as_slice);
-        attractors_of_many(interrupted.dynamics(), each, &settings, &options).unwrap()
+        Attractor::of_all(interrupted.dynamics(), each, &settings, &options).unwrap()
     };
     let is_interrupted =
         |kind: &AttractorKind| matches!(kind, AttractorKind::Failure(Error::Interrupted { .. }));

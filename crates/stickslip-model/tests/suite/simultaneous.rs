@@ -1,6 +1,6 @@
 //! Derivatives at events of one instant, against closed forms.
 
-use stickslip::analysis::{OrbitDerivatives, monodromy};
+use stickslip::analysis::{Monodromy, OrbitDerivatives};
 use stickslip::{Error, math};
 use stickslip_model::file::System;
 
@@ -52,7 +52,7 @@ fn a_crossing_at_the_knot_of_a_table_keeps_its_saltation() {
         assert_close([found.transitions[0].t[0]], &[1.0 / 1.7], method);
     });
     for method in METHODS {
-        let flow = monodromy(at_knot.dynamics(), 0.0, [1.6], 1.3, &options(method)).unwrap();
+        let flow = Monodromy::of(at_knot.dynamics(), 0.0, [1.6], 1.3, &options(method)).unwrap();
         assert_close([flow.matrix[(0, 0)]], &[0.7 / 1.7], method);
     }
 }
@@ -159,7 +159,7 @@ fn two_jumps_at_one_instant_have_derivatives_where_they_commute() {
     });
     // In one order the second jump sees the state that the first one sets: z is 1.8 or 2.8.
     assert_lost(&falling("2 + y"), &["y", "z"], [1.0, 1.2]);
-    let of_flow = monodromy(
+    let of_flow = Monodromy::of(
         falling("2 + y").dynamics(),
         0.0,
         [1.0, 1.0],

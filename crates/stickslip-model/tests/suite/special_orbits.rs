@@ -2,14 +2,15 @@
 //! and the branches that begin there.
 
 use std::f64::consts::PI;
+use std::num::NonZeroUsize;
 
 use stickslip::analysis::{
     Branch, ContinuationSettings, Curve, CurveStop, CycleBifurcation, PeriodicOrbit, SpecialPoint,
-    Stop, continue_change, switch_branches,
+    Stop, SwitchedBranch,
 };
 use stickslip::{Error, Options, math};
 use stickslip_model::file::System;
-use stickslip_model::study::{Along, PeriodicSearch};
+use stickslip_model::study::{ParameterLine, PeriodicSearch};
 
 use crate::run::{SEARCH, branch, branch_through, options, orbit, orbit_from, system, with};
 
@@ -43,7 +44,7 @@ pub fn curves(
     options: &Options,
 ) -> Vec<Curve> {
     let orbit = orbit(system, options);
-    let along = Along::new(system, name, (low, high)).unwrap();
+    let along = ParameterLine::new(system, name, (low, high)).unwrap();
     let second = system.file.parameter(other).unwrap();
     let value = Some(system.values[second]);
     let settings = over(low, high, 0.02);
@@ -52,7 +53,7 @@ pub fn curves(
     of_each(|upwards, number| {
         let way = (orbit.period, upwards, number);
         let ranges = (&settings, (other_low, other_high));
-        continue_change(&both, &x, way, ranges, options)
+        Curve::of_special(&both, &x, way, ranges, options)
     })
 }
 
@@ -64,12 +65,18 @@ pub fn side_branches(
     step: f64,
 ) -> Vec<(SpecialPoint, Vec<Branch>)> {
     let options = options("taylor");
-    let along = Along::new(system, name, (low, high)).unwrap();
+    let along = ParameterLine::new(system, name, (low, high)).unwrap();
     let settings = over(low, high, step);
     let (settings, x) = along.start(orbit, &settings, &options, None).unwrap();
     of_each(|upwards, number| {
         let way = (orbit.period, upwards, number);
-        let switched = switch_branches(&along.dynamics, &x, way, &settings, &options)?;
+        let switched = SwitchedBranch::of_special(
+            &along.dynamics,
+            &x,
+            way,
+            (&settings, NonZeroUsize::MIN),
+            &options,
+        )?;
         Ok((switched.at, switched.branches))
     })
 }

@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, EdgeKind, EdgeSettings, EquilibriumBifurcation, Push,
-    PushSettings, RecurrenceSettings, SpectrumOptions, attractor, attractor_of_many, edge_state,
-    least_pushes, lyapunov_spectrum, multipliers,
+    Attractor, AttractorKind, ContinuationSettings, EdgeKind, EdgeSettings, EdgeState,
+    EquilibriumBifurcation, Push, PushSettings, RecurrenceSettings, SpectrumOptions, attractor,
+    lyapunov_spectrum, multipliers,
 };
 use stickslip::dynamics::{Modes, Step, Vector};
 use stickslip::{Error, Options, math};
-use stickslip_model::study::{Along, StepMonitor, Variables, WholeBranch};
+use stickslip_model::study::{ParameterLine, StepMonitor, TwoSidedBranch, Variables};
 
 use super::derivatives::found;
 use super::run::{METHODS, Run, branch, options, orbit, system, with};
@@ -85,7 +85,7 @@ end = 30
 period = "2*pi"
 "#;
 
-fn numbers(branch: &WholeBranch) -> Vec<f64> {
+fn numbers(branch: &TwoSidedBranch) -> Vec<f64> {
     branch
         .points
         .iter()
@@ -153,7 +153,7 @@ fn a_falling_ball_is_no_equilibrium_and_one_at_rest_is() {
     let system = system(&text);
     let options = options("taylor");
     let settings = ContinuationSettings::over(0.5, 2.0);
-    let along = Along::new(&system, "A", (0.5, 2.0)).unwrap();
+    let along = ParameterLine::new(&system, "A", (0.5, 2.0)).unwrap();
     for at in [[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]] {
         let found = along.equilibria(&at, &settings, &options);
         assert!(matches!(found, Err(Error::NotFound { .. })), "{at:?}");
@@ -446,7 +446,7 @@ fn chatter_is_no_period_and_a_start_behind_a_stop_no_end() {
         ..RecurrenceSettings::within(2000.0)
     };
     let reach = |x: [f64; 3]| {
-        attractor_of_many(table.dynamics(), x, &settings, &options("taylor")).unwrap()
+        Attractor::of_any(table.dynamics(), x, &settings, &options("taylor")).unwrap()
     };
     for h in [0.5, 2.0, 3.0] {
         let AttractorKind::Periodic { period, .. } = reach([h, 0.0, 0.0]).kind else {
@@ -539,7 +539,7 @@ fn equilibria_end_where_a_gap_or_a_reaction_vanishes() {
     let (settings, options) = (ContinuationSettings::over(-1.0, 1.0), options("taylor"));
     let ends = |q: f64, start: [f64; 3]| {
         let held = with(text, &[("q", q)]);
-        let along = Along::new(&held, "q", (-1.0, 1.0)).unwrap();
+        let along = ParameterLine::new(&held, "q", (-1.0, 1.0)).unwrap();
         let found = along.equilibria(&start, &settings, &options).unwrap();
         for one in &found.special {
             let EquilibriumBifurcation::Boundary { contact, .. } = one.what else {
@@ -624,7 +624,7 @@ fn a_start_at_which_a_jump_is_undefined_is_no_end_of_a_sweep() {
     let (system, settings) = (system(text), RecurrenceSettings::within(2000.0));
     let reach = |x: f64| {
         let start = [x, 0.0, 0.0];
-        attractor_of_many(system.dynamics(), start, &settings, &options("taylor")).unwrap()
+        Attractor::of_any(system.dynamics(), start, &settings, &options("taylor")).unwrap()
     };
     assert_eq!(reach(0.5).kind, AttractorKind::Equilibrium);
     let outside = reach(-1.5).kind;
@@ -639,14 +639,16 @@ fn a_period_that_a_parameter_changes_is_written_with_it() {
     let text = "name = \"driven\"\n[states]\nx = \"\"\nv = \"\"\n[parameters]\nom = 0.8\n[field]\n\
                 x = \"v\"\nv = \"-x - 0.3*v + 0.5*cos(om*t)\"\n[time]\nend = 9\nperiod = PERIOD\n";
     let constant = system(&text.replace("PERIOD", "7.853981633974483"));
-    let refused = Along::new(&constant, "om", (0.5, 1.5)).err().unwrap();
+    let refused = ParameterLine::new(&constant, "om", (0.5, 1.5))
+        .err()
+        .unwrap();
     let words = refused.to_string();
     assert!(
         words.contains("write the period as a formula of `om`"),
         "{words}"
     );
     let formula = system(&text.replace("PERIOD", "\"2*pi/om\""));
-    assert!(Along::new(&formula, "om", (0.5, 1.5)).is_ok());
+    assert!(ParameterLine::new(&formula, "om", (0.5, 1.5)).is_ok());
 }
 
 #[test]
@@ -1077,7 +1079,7 @@ fn a_body_at_rest_on_a_stop_is_pushed_off_it() {
     // The wall gives back 0.6 of a push against it.
     let directions = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
     let rest = [0.5, 0.0, 1.0];
-    let found = least_pushes(system.dynamics(), rest, directions, &how, &within, &options);
+    let found = Push::least(system.dynamics(), rest, directions, &how, &within, &options);
     let [against, off] = found.unwrap().try_into().unwrap();
     let [against, off] = [against, off].map(|push: Option<Push>| push.unwrap().size);
     assert!((off / against - 0.6).abs() < 1e-7, "{off} and {against}");
@@ -1085,7 +1087,7 @@ fn a_body_at_rest_on_a_stop_is_pushed_off_it() {
     // A start cannot lie behind the wall, and one in front of it comes back.
     let into = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]];
     let near = [0.5 - 0.125, 0.0, 0.0];
-    let found = least_pushes(system.dynamics(), near, into, &how, &within, &options).unwrap();
+    let found = Push::least(system.dynamics(), near, into, &how, &within, &options).unwrap();
     let [Some(into), Some(off)] = &found[..] else {
         panic!("{found:?}");
     };
@@ -1095,7 +1097,7 @@ fn a_body_at_rest_on_a_stop_is_pushed_off_it() {
 
     // The edge between both basins is the saddle.
     let how = EdgeSettings::within(200.0);
-    let edge = edge_state(
+    let edge = EdgeState::between(
         system.dynamics(),
         [-1.0, 0.0, 0.0],
         rest,

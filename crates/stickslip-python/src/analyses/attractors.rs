@@ -8,8 +8,7 @@ use pyo3::types::{PyDict, PyList};
 use rayon::prelude::*;
 use stickslip::Options;
 use stickslip::analysis::{
-    Attractor, AttractorChange, AttractorKind, Exponent, RecurrenceSettings, WhatChanges,
-    attractor_by_shooting, attractor_of_many, basin_while, return_time,
+    Attractor, AttractorChange, AttractorKind, Basin, Exponent, RecurrenceSettings, WhatChanges,
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
@@ -289,8 +288,8 @@ pub(crate) fn parameter_map<'py>(
         let here = system.driven_with(&[(name, column), (other, row)])?;
         let start = start_state(&here, x.as_deref())?;
         let recurrence = recurrence(&here, longest);
-        let reached = attractor_of_many(here.dynamics(), &*start, &recurrence, &options)?;
-        let reached = attractor_by_shooting(here.dynamics(), reached, &recurrence, &options);
+        let reached = Attractor::of_any(here.dynamics(), &*start, &recurrence, &options)?;
+        let reached = reached.by_shooting(here.dynamics(), &recurrence, &options);
         let reached = reported(reached, |error| words(error, &here));
         let measured = duration.map(|time| largest::on(&here, &reached, time, &options));
         let measured = measured.unwrap_or(Ok(None));
@@ -340,8 +339,8 @@ fn returned(
     options: &Options,
 ) -> Result<Option<f64>, stickslip::Error> {
     let dynamics = system.dynamics();
-    let reached = attractor_of_many(dynamics, start, settings, options)?;
-    match return_time(dynamics, start, &reached, distance, settings, options) {
+    let reached = Attractor::of_any(dynamics, start, settings, options)?;
+    match reached.return_time(dynamics, start, distance, settings, options) {
         Err(stickslip::Error::Interrupted { .. }) => Ok(None),
         time => time,
     }
@@ -378,7 +377,7 @@ pub(crate) fn basins<'py>(
                 ControlFlow::Continue(())
             }
         };
-        let found = basin_while(
+        let found = Basin::found_while(
             system.dynamics(),
             starts.clone(),
             &settings,

@@ -7,8 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
 use stickslip::analysis::{
-    Attractor, EdgeKind, EdgeSettings, Push, PushSettings, SharesAt, edge_state as edge_between,
-    least_pushes, shares_at,
+    Attractor, EdgeKind, EdgeSettings, EdgeState, Push, PushSettings, SharesAt,
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System as CompiledSystem;
@@ -37,7 +36,7 @@ pub(crate) fn basin_entropy<'py>(
     shape: Vec<usize>,
     side: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = stickslip::analysis::basin_entropy(&reached, &shape, side);
+    let found = stickslip::analysis::BasinEntropy::of(&reached, &shape, side);
     let found = found.map_err(|error| failed(&error, None))?;
     let fields = Fields::new(py);
     fields.put("boxes", found.boxes)?;
@@ -58,7 +57,7 @@ pub(crate) fn uncertainty_exponent<'py>(
     reached: Vec<usize>,
     shape: Vec<usize>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let found = stickslip::analysis::uncertainty_exponent(&reached, &shape);
+    let found = stickslip::analysis::UncertaintyExponent::of(&reached, &shape);
     let found = found.map_err(|error| failed(&error, None))?;
     let fields = Fields::new(py);
     let number = |of: Option<f64>| of.unwrap_or(f64::NAN);
@@ -94,7 +93,7 @@ pub(crate) fn least_push<'py>(
         let system = task.system(compiled)?;
         let each = directions.par_iter().map(|direction| {
             let along = [direction.clone()];
-            let found = least_pushes(system.dynamics(), &*x, along, &how, &settings, &options)?;
+            let found = Push::least(system.dynamics(), &*x, along, &how, &settings, &options)?;
             task.count();
             Ok(found)
         });
@@ -148,7 +147,7 @@ pub(crate) fn edge_state<'py>(
         let system = task.system(compiled)?;
         let [one, other] = &states;
         let dynamics = system.dynamics();
-        Ok(edge_between(
+        Ok(EdgeState::between(
             dynamics, &**one, &**other, &how, &settings, &options,
         )?)
     })?;
@@ -204,7 +203,7 @@ pub(crate) fn basin_shares<'py>(
                     true => ControlFlow::Break(()),
                     false => ControlFlow::Continue(()),
                 };
-                let next = shares_at(
+                let next = SharesAt::of(
                     here.dynamics(),
                     value,
                     &starts,

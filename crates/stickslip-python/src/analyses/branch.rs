@@ -13,7 +13,9 @@ use stickslip::analysis::{
 use stickslip::dynamics::Vector;
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
-use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch, word_of_curve_stop};
+use stickslip_model::study::{
+    Followed, ParameterLine, SideBranch, TwoSidedBranch, word_of_curve_stop,
+};
 
 use super::Start;
 use super::orbits::{Search, approached};
@@ -25,7 +27,7 @@ use crate::{Settings, System};
 /// Follows the branch through an orbit in one direction. After an interruption it is what was found
 /// before, since results that are computed during one are unreliable.
 fn directed_branch(
-    along: &Along<'_>,
+    along: &ParameterLine<'_>,
     (orbit, x): (&PeriodicOrbit, &Vector),
     is_upwards: bool,
     (settings, options): (&ContinuationSettings, &Options),
@@ -94,7 +96,7 @@ pub(crate) fn continuation<'py>(
     };
     let outcome = computed(py, threads, (&report, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
-        let along = Along::new(&system, &parameter, (low, high))?;
+        let along = ParameterLine::new(&system, &parameter, (low, high))?;
         let settings = continuation_settings((low, high), how)?;
         let orbit = approached(&system, (t, &x), search, &options)?;
         let (forced, x) = along.start(&orbit, &settings, &options, None)?;
@@ -103,7 +105,7 @@ pub(crate) fn continuation<'py>(
             |is_upwards| directed_branch(&along, begin, is_upwards, (&forced, &options), task);
         let (down, up) = rayon::join(|| directed(false), || directed(true));
         // An interruption leaves the orbits that were found.
-        let whole = Along::new(compiled, &parameter, (low, high))?;
+        let whole = ParameterLine::new(compiled, &parameter, (low, high))?;
         let mut branch = whole.joined::<Failure>([down?, up?], &options)?;
         along.find_uncertainties(&mut branch, &options);
         let mut begun = Begun {
@@ -153,7 +155,7 @@ pub(crate) fn continuation<'py>(
 
 /// A branch, and what begins at its special orbits: curves with the row of that orbit.
 struct Begun {
-    branch: WholeBranch,
+    branch: TwoSidedBranch,
     others: Vec<SideBranch>,
     curves: Vec<(usize, Option<Curve>)>,
 }
@@ -167,8 +169,8 @@ struct Second<'a> {
 
 /// The branches that begin at flips and branch points, and at their flips to a depth.
 fn others(
-    along: &Along<'_>,
-    branch: &WholeBranch,
+    along: &ParameterLine<'_>,
+    branch: &TwoSidedBranch,
     (settings, depth, options): (&ContinuationSettings, NonZeroUsize, &Options),
     (orbit, x): (&PeriodicOrbit, &Vector),
 ) -> Result<Vec<SideBranch>, Failure> {
@@ -185,8 +187,8 @@ fn others(
 /// The curves of the special orbits in two parameters, except branch points, and of homoclinic and
 /// two-fold ends, with their rows in the table of special orbits.
 fn curves(
-    along: &Along<'_>,
-    branch: &WholeBranch,
+    along: &ParameterLine<'_>,
+    branch: &TwoSidedBranch,
     (settings, options): (&ContinuationSettings, &Options),
     orbit: &PeriodicOrbit,
     second: &Second<'_>,
@@ -251,7 +253,7 @@ fn described_curve<'py>(
 fn described<'py>(
     py: Python<'py>,
     system: &CompiledSystem,
-    branch: &WholeBranch,
+    branch: &TwoSidedBranch,
 ) -> PyResult<Fields<'py>> {
     let states = system.states();
     let orbits = || branch.points.iter().map(|point| &point.orbit);

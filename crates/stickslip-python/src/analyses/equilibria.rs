@@ -5,7 +5,7 @@ use pyo3::types::PyDict;
 use stickslip::analysis::EquilibriumCurve;
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::study::{
-    Along, BranchEnd, EquilibriaOfBranch, boundary_of, equilibrium, frequency_of,
+    BranchEnd, EquilibriaOfBranch, ParameterLine, boundary_of, equilibrium, frequency_of,
     word_of_curve_stop,
 };
 
@@ -38,7 +38,7 @@ pub(crate) fn equilibrium_continuation<'py>(
     let threads = if also.is_some() { 0 } else { 1 };
     let branch = computed(py, threads, (&None, ProgressKind::Count), |task| {
         let system = task.system(compiled)?;
-        let along = Along::new(&system, &parameter, (low, high))?;
+        let along = ParameterLine::new(&system, &parameter, (low, high))?;
         let settings = continuation_settings((low, high), how)?;
         let x = equilibrium(&system, &x, transient, &options)?;
         let branch = along.equilibria(&x, &settings, &options)?;

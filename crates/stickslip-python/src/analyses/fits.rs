@@ -3,12 +3,12 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{LeastSquaresEnd, Loss};
 use stickslip::dynamics::Modes;
 use stickslip_model::file::System as CompiledSystem;
 use stickslip_model::study::fit::{
     Fit, FitError, FitRequest, Observable, Record, SeenPhase, Unknown, ending, fit as fitted,
 };
+use stickslip_model::study::least_squares::{LeastSquaresEnd, Loss};
 
 use crate::errors::{computation, failed, words, wrong};
 use crate::fields::Fields;

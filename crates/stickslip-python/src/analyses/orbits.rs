@@ -5,9 +5,7 @@ use std::ops::ControlFlow;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use stickslip::analysis::{
-    PeriodicOrbit, PoincareMap, Stability, multiplier_uncertainties, multipliers,
-};
+use stickslip::analysis::{PeriodicOrbit, PoincareMap, Stability, multipliers};
 use stickslip::dynamics::{OrbitProgress, OrbitUnderWay, Section};
 use stickslip::{Error, Options};
 use stickslip_model::file::System as CompiledSystem;
@@ -79,7 +77,7 @@ pub(crate) fn periodic_orbit<'py>(
             false => Some(by.of_orbit(&system, (&orbit, origin), &options)),
         };
         let is_forced = system.built.depends_on_time;
-        let uncertainties = multiplier_uncertainties(dynamics, &orbit, is_forced, &options);
+        let uncertainties = orbit.multiplier_uncertainties(dynamics, is_forced, &options);
         Ok((
             (orbit, uncertainties),
             phases_of_period(&**dynamics, &phases),
@@ -158,7 +156,7 @@ pub(crate) fn poincare_map<'py>(
             let start = (t, x.as_slice());
             let dynamics = &**system.dynamics();
             let mut map =
-                PoincareMap::at_run_time(dynamics, Section::Own(0), start, longest, &options)?;
+                PoincareMap::at_run_time(dynamics, Section::OfSystem(0), start, longest, &options)?;
             for _ in 0..returns {
                 found.push(match with_derivative {
                     true => {

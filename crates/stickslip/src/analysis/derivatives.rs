@@ -37,8 +37,8 @@ pub struct EventDerivatives {
     pub after: Matrix,
 }
 
-/// Derivatives along an orbit, as [`orbit_derivatives`] computes them. Rows are states and columns
-/// variables. From [`OrbitDerivatives::lost`] on all are NaN.
+/// Derivatives along an orbit, as [`OrbitDerivatives::of`] computes them. Rows are states and
+/// columns variables. From [`OrbitDerivatives::lost`] on all are NaN.
 #[derive(Clone, Debug, Default)]
 pub struct OrbitDerivatives {
     /// Derivatives of the state at each requested time.
@@ -55,68 +55,71 @@ pub struct OrbitDerivatives {
     pub lost: Option<Error>,
 }
 
-/// Derivatives of an orbit from `(t0, x0)` by some variables, to first order: of the states at
-/// `times`, in rising order up to `t_end`, and of times and states at all events.
-///
-/// Tangent vectors are carried on dual numbers; at transitions and jumps they change by saltation
-/// (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671). The time of an event with the function `g`
-/// changes by `dt = −∇g·dx / (∂g/∂t + ∇g·f)`. A time that occurs twice, as of a jump, has the
-/// derivative before it and then the one after it.
-///
-/// The run goes to `t_end`, or as far as the last of `times` if there is one: what a run reports
-/// until then is the same.
-///
-/// A start on a boundary that the orbit leaves has the derivatives of the side to which it leaves.
-/// At a graze, where two contacts come to zero at once, and where jumps act on one another at one
-/// instant there is no derivative; see [`OrbitDerivatives::lost`].
-///
-/// ```
-/// use stickslip::analysis::{Variable, orbit_derivatives};
-/// use stickslip::{Filippov, Options, Scalar, Side};
-///
-/// /// A block on a belt of speed 0.5, with a spring and friction 1.
-/// struct Block;
-/// impl Filippov<2> for Block {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
-///         [x[1], -x[0] - side.sign()]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-///         x[1] - 0.5
-///     }
-/// }
-///
-/// // It begins in stick at x = 0 and is released at x = 1, after a time of 1/0.5.
-/// let by = [Variable::Start(0), Variable::StartTime];
-/// let (start, options) = ([0.0, 0.5], Options::default());
-/// let found = orbit_derivatives(&Block, 0.0, start, 3.0, (&by, &[1.0, 3.0]), &[], &options)?;
-/// assert!((found.states[0][(0, 0)] - 1.0).abs() < 1e-12);
-/// // Half a unit further on it is released a whole unit of time earlier.
-/// let release = &found.transitions[0];
-/// assert!((release.t[0] + 2.0).abs() < 1e-9 && (release.t[1] - 1.0).abs() < 1e-9);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-///
-/// # Errors
-/// Those of a run that cannot begin; [`Error::Parameter`] for a variable that is no state.
-pub fn orbit_derivatives<Kind>(
-    system: &impl AsDynamics<Kind>,
-    t0: f64,
-    x0: impl Components,
-    t_end: f64,
-    (by, times): (&[Variable], &[f64]),
-    sections: &[Section],
-    options: &Options,
-) -> Result<OrbitDerivatives, Error> {
-    let start = Moment {
-        t: t0,
-        x: x0.vector(),
-    };
-    let system = system.dynamics();
-    let of = Differentiated::all(&*system, by);
-    orbit_derivatives_of(of, start, t_end, times, sections, options)
+impl OrbitDerivatives {
+    /// Derivatives of an orbit from `(t0, x0)` by some variables, to first order: of the states at
+    /// `times`, in rising order up to `t_end`, and of times and states at all events.
+    ///
+    /// Tangent vectors are carried on dual numbers; at transitions and jumps they change by
+    /// saltation (Müller, *Chaos, Solitons & Fractals* 5 (1995) 1671). The time of an event with
+    /// the function `g` changes by `dt = −∇g·dx / (∂g/∂t + ∇g·f)`. A time that occurs twice, as of
+    /// a jump, has the derivative before it and then the one after it.
+    ///
+    /// The run goes to `t_end`, or as far as the last of `times` if there is one: what a run
+    /// reports until then is the same.
+    ///
+    /// A start on a boundary that the orbit leaves has the derivatives of the side to which it
+    /// leaves. At a graze, where two contacts come to zero at once, and where jumps act on one
+    /// another at one instant there is no derivative; see [`OrbitDerivatives::lost`].
+    ///
+    /// ```
+    /// use stickslip::analysis::{OrbitDerivatives, Variable};
+    /// use stickslip::{Filippov, Options, Scalar, Side};
+    ///
+    /// /// A block on a belt of speed 0.5, with a spring and friction 1.
+    /// struct Block;
+    /// impl Filippov<2> for Block {
+    ///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 2]) -> [T; 2] {
+    ///         [x[1], -x[0] - side.sign()]
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+    ///         x[1] - 0.5
+    ///     }
+    /// }
+    ///
+    /// // It begins in stick at x = 0 and is released at x = 1, after a time of 1/0.5.
+    /// let by = [Variable::Start(0), Variable::StartTime];
+    /// let (start, options) = ([0.0, 0.5], Options::default());
+    /// let by = (&by[..], &[1.0, 3.0][..]);
+    /// let found = OrbitDerivatives::of(&Block, 0.0, start, 3.0, by, &[], &options)?;
+    /// assert!((found.states[0][(0, 0)] - 1.0).abs() < 1e-12);
+    /// // Half a unit further on it is released a whole unit of time earlier.
+    /// let release = &found.transitions[0];
+    /// assert!((release.t[0] + 2.0).abs() < 1e-9 && (release.t[1] - 1.0).abs() < 1e-9);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of a run that cannot begin; [`Error::Parameter`] for a variable that is no state.
+    pub fn of<Kind>(
+        system: &impl AsDynamics<Kind>,
+        t0: f64,
+        x0: impl Components,
+        t_end: f64,
+        (by, times): (&[Variable], &[f64]),
+        sections: &[Section],
+        options: &Options,
+    ) -> Result<OrbitDerivatives, Error> {
+        let start = Moment {
+            t: t0,
+            x: x0.vector(),
+        };
+        let system = system.dynamics();
+        let of = Differentiated::all(&*system, by);
+        of.derivatives(start, t_end, times, sections, options)
+    }
 }
 
-/// What an orbit is differentiated by, with the system that moves it.
+/// The variables by which an orbit is differentiated, with the system that moves it.
 #[derive(Clone, Copy)]
 pub struct Differentiated<'a> {
     system: &'a dyn Dynamics,
@@ -173,76 +176,78 @@ impl<'a> Differentiated<'a> {
     }
 }
 
-/// [`orbit_derivatives`] of a system of run-time size, from a start without the parameters. Rows
-/// are the states without them.
-///
-/// # Errors
-/// As [`orbit_derivatives`].
-pub fn orbit_derivatives_of(
-    of: Differentiated<'_>,
-    start: Moment,
-    t_end: f64,
-    times: &[f64],
-    sections: &[Section],
-    options: &Options,
-) -> Result<OrbitDerivatives, Error> {
-    let mut orbit = of.system.begin(&start, t_end, options, sections)?;
-    let mut tangents = OrbitTangents::new(of, (&*orbit, &start), sections, options)?;
-    let until = times.last().map_or(t_end, |last| last.max(start.t));
-    let at_start = times.partition_point(|t| *t <= start.t);
-    let (at_start, mut times) = times.split_at(at_start);
-    at_start.iter().for_each(|t| tangents.state(*t, &start.x));
-    let mut phase = (start.t, start.t, orbit.mode());
-    let mut last = start;
-    loop {
-        match orbit.step() {
-            Ok(OrbitProgress::Step) => {
-                let step = orbit.last_step();
-                if step.t_start > until {
+impl Differentiated<'_> {
+    /// [`OrbitDerivatives::of`] of a system of run-time size, from a start without the parameters.
+    /// Rows are the states without them.
+    ///
+    /// # Errors
+    /// As [`OrbitDerivatives::of`].
+    pub fn derivatives(
+        self,
+        start: Moment,
+        t_end: f64,
+        times: &[f64],
+        sections: &[Section],
+        options: &Options,
+    ) -> Result<OrbitDerivatives, Error> {
+        let mut orbit = self.system.begin(&start, t_end, options, sections)?;
+        let mut tangents = OrbitTangents::new(self, (&*orbit, &start), sections, options)?;
+        let until = times.last().map_or(t_end, |last| last.max(start.t));
+        let at_start = times.partition_point(|t| *t <= start.t);
+        let (at_start, mut times) = times.split_at(at_start);
+        at_start.iter().for_each(|t| tangents.state(*t, &start.x));
+        let mut phase = (start.t, start.t, orbit.mode());
+        let mut last = start;
+        loop {
+            match orbit.step() {
+                Ok(OrbitProgress::Step) => {
+                    let step = orbit.last_step();
+                    if step.t_start > until {
+                        break;
+                    }
+                    (phase.1, phase.2) = (step.t_end.min(until), step.mode);
+                    // A second time at the end of the step is after a jump there.
+                    let before = times.partition_point(|t| *t < step.t_end);
+                    let at_end = times[before..].first().filter(|t| **t <= step.t_end);
+                    let (now, later) = times.split_at(before + usize::from(at_end.is_some()));
+                    times = later;
+                    last = step.end();
+                    tangents.step(&step, now, &mut *orbit);
+                }
+                Ok(OrbitProgress::Transition(at)) if at.t > until => break,
+                Ok(OrbitProgress::Passage(at)) if at.t > until => {}
+                Ok(OrbitProgress::PhaseEnd(ended)) if ended.t_end <= until => {
+                    let whole = (ended.t_start, ended.t_end, ended.mode);
+                    tangents.found.phases.push(whole);
+                    phase = (ended.t_end, ended.t_end, phase.2);
+                }
+                Ok(OrbitProgress::End(ended)) => {
+                    last = Moment {
+                        t: ended.t,
+                        x: ended.x,
+                    };
                     break;
                 }
-                (phase.1, phase.2) = (step.t_end.min(until), step.mode);
-                // A second time at the end of the step is after a jump there.
-                let before = times.partition_point(|t| *t < step.t_end);
-                let at_end = times[before..].first().filter(|t| **t <= step.t_end);
-                let (now, later) = times.split_at(before + usize::from(at_end.is_some()));
-                times = later;
-                last = step.end();
-                tangents.step(&step, now, &mut *orbit);
-            }
-            Ok(OrbitProgress::Transition(at)) if at.t > until => break,
-            Ok(OrbitProgress::Passage(at)) if at.t > until => {}
-            Ok(OrbitProgress::PhaseEnd(ended)) if ended.t_end <= until => {
-                let whole = (ended.t_start, ended.t_end, ended.mode);
-                tangents.found.phases.push(whole);
-                phase = (ended.t_end, ended.t_end, phase.2);
-            }
-            Ok(OrbitProgress::End(ended)) => {
-                last = Moment {
-                    t: ended.t,
-                    x: ended.x,
-                };
-                break;
-            }
-            Ok(progress) => tangents.event(&progress),
-            Err(error) => {
-                tangents.lose(error);
-                break;
+                Ok(progress) => tangents.event(&progress),
+                Err(error) => {
+                    tangents.lose(error);
+                    break;
+                }
             }
         }
-    }
-    if phase.1 > phase.0 {
-        tangents.found.phases.push(phase);
-    }
-    // After the end, as where a jump stands there.
-    for t in times {
-        let beyond = || last.x.map(|_| f64::NAN);
-        match *t <= last.t {
-            true => tangents.state(*t, &last.x),
-            false => tangents.state(*t, &beyond()),
+        if phase.1 > phase.0 {
+            tangents.found.phases.push(phase);
         }
+        // After the end, as where a jump stands there.
+        for t in times {
+            let beyond = || last.x.map(|_| f64::NAN);
+            match *t <= last.t {
+                true => tangents.state(*t, &last.x),
+                false => tangents.state(*t, &beyond()),
+            }
+        }
+        Ok(tangents.found)
     }
-    Ok(tangents.found)
 }
 
 /// The derivatives of the start state.
@@ -424,10 +429,10 @@ impl<'a> OrbitTangents<'a> {
         if let Err(error) = ended {
             self.lose(error.clone());
         }
-        let count = orbit.points.len();
+        let count = orbit.point_count();
         self.found.transitions.truncate(orbit.transitions().count());
         self.found.passages.truncate(orbit.passages.len());
-        let Some((t, x)) = orbit.points.iter().next_back() else {
+        let Some((t, x)) = orbit.points().next_back() else {
             return self.found;
         };
         let known = self

@@ -75,7 +75,7 @@ pub(super) fn turning_guards(system: &dyn Dynamics, step: &Step) -> Vec<usize> {
     let own = |guard: &Guard| match guard.is_of_jump {
         // A stop that a gap touches at zero rate gives no impulse.
         true => guard.is_watched && !guard.is_condition,
-        false => !guard.goes_on && step.mode.get(guard.contact) != Mode::Stick,
+        false => !guard.continues_phase && step.mode.get(guard.contact) != Mode::Stick,
     };
     let guards = flow.guards().into_iter().filter(own);
     let numbers = guards.map(|guard| guard.number);

@@ -76,7 +76,7 @@ pub(super) fn guard_of(system: &dyn Dynamics, at: &Transition, held: f64) -> Opt
     let own = flow
         .guards()
         .into_iter()
-        .filter(|guard| guard.contact == at.contact && guard.goes_on == goes_on);
+        .filter(|guard| guard.contact == at.contact && guard.continues_phase == goes_on);
     let value = |number: usize| flow.guard(number, &here).abs();
     own.min_by(|a, b| value(a.number).total_cmp(&value(b.number)))
 }

@@ -25,28 +25,30 @@ pub struct Monodromy {
     pub summary: Summary,
 }
 
-/// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and
-/// every transition contributes its saltation matrix. If a contact sticks at the start, the orbit
-/// is assumed to have been on its Σ before. A change across Σ is projected back along the kinetic
-/// friction, even if that is too weak to return it to Σ.
-///
-/// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
-/// [`Error::TangentSingular`] where the orbit grazes Σ, or two contacts reach zero in the same
-/// instant.
-pub fn monodromy<Kind>(
-    system: &impl AsDynamics<Kind>,
-    t0: f64,
-    x0: impl Components,
-    t_end: f64,
-    options: &Options,
-) -> Result<Monodromy, Error> {
-    let start = Moment {
-        t: t0,
-        x: x0.vector(),
-    };
-    let found = flow_derivative(&*system.dynamics(), &start, t_end, options, false);
-    found.map(|(monodromy, _)| monodromy)
+impl Monodromy {
+    /// The monodromy matrix from `(t0, x0)` to `t_end`. Every step is repeated on dual numbers, and
+    /// every transition contributes its saltation matrix. If a contact sticks at the start, the
+    /// orbit is assumed to have been on its Σ before. A change across Σ is projected back along the
+    /// kinetic friction, even if that is too weak to return it to Σ.
+    ///
+    /// # Errors
+    /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] where Σ repels, and at a two-fold.
+    /// [`Error::TangentSingular`] where the orbit grazes Σ, or two contacts reach zero in the same
+    /// instant.
+    pub fn of<Kind>(
+        system: &impl AsDynamics<Kind>,
+        t0: f64,
+        x0: impl Components,
+        t_end: f64,
+        options: &Options,
+    ) -> Result<Monodromy, Error> {
+        let start = Moment {
+            t: t0,
+            x: x0.vector(),
+        };
+        let found = flow_derivative(&*system.dynamics(), &start, t_end, options, false);
+        found.map(|(monodromy, _)| monodromy)
+    }
 }
 
 /// The vector along which a state moves in a mode.
@@ -62,7 +64,7 @@ pub(super) fn velocity_in(system: &dyn Dynamics, mode: Modes, at: &Moment) -> Ve
 /// separate fast.
 ///
 /// # Errors
-/// As [`monodromy`].
+/// As [`Monodromy::of`].
 pub(super) fn flow_derivative(
     system: &dyn Dynamics,
     start: &Moment,

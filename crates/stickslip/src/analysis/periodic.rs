@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use super::attractors::SOLVER_TOLERANCES;
 use super::continuation::BranchPoint;
-use super::cycle::{Cycle, Outline, Shooting};
+use super::cycle::{Cycle, OrbitGuess, Shooting};
 use super::monodromy::{flow_derivative, velocity_in};
 use super::multipliers::{eigenvalues, multipliers, uncertainties};
 use super::passages::{passages, plane};
@@ -42,178 +42,187 @@ pub struct PeriodicOrbit {
 /// iteration.
 const MOST_SEQUENCES: usize = 8;
 
-/// The periodic orbit near `x` of a periodically forced system, with period `period`, at the time
-/// `t`.
-///
-/// It is computed by Newton's iteration on its segments, with the phase sequence of the run from
-/// `x`. If the resulting orbit does not have this sequence itself, its own is tried next. If there
-/// is no such orbit, the run continues for a period. Eight sequences are tried.
-///
-/// # Errors
-/// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
-/// [`crate::analysis::monodromy`], also of the last run from which no orbit was found.
-/// [`Error::NotFound`] where none of the sequences has an orbit
-/// that closes to 100 tolerances, or to the rounding of state and time, and moves by more than
-/// that. [`Error::NotConverged`] where the run from the orbit does not return to it.
-pub fn periodic_orbit_forced<Kind>(
-    system: &impl AsDynamics<Kind>,
-    t: f64,
-    x: impl Components,
-    period: f64,
-    options: &Options,
-) -> Result<PeriodicOrbit, Error> {
-    let at = Moment { t, x: x.vector() };
-    orbit_near(&*system.dynamics(), &at, (period, true), options)
+impl PeriodicOrbit {
+    /// The periodic orbit near `x` of a periodically forced system, with period `period`, at the
+    /// time `t`.
+    ///
+    /// It is computed by Newton's iteration on its segments, with the phase sequence of the run
+    /// from `x`. If the resulting orbit does not have this sequence itself, its own is tried next.
+    /// If there is no such orbit, the run continues for a period. Eight sequences are tried.
+    ///
+    /// # Errors
+    /// Those of [`crate::run`]; [`Error::NoUniqueFuture`] and [`Error::TangentSingular`] as for
+    /// [`crate::analysis::Monodromy::of`], also of the last run from which no orbit was found.
+    /// [`Error::NotFound`] where none of the sequences has an orbit
+    /// that closes to 100 tolerances, or to the rounding of state and time, and moves by more than
+    /// that. [`Error::NotConverged`] where the run from the orbit does not return to it.
+    pub fn near_forced<Kind>(
+        system: &impl AsDynamics<Kind>,
+        t: f64,
+        x: impl Components,
+        period: f64,
+        options: &Options,
+    ) -> Result<PeriodicOrbit, Error> {
+        let at = Moment { t, x: x.vector() };
+        orbit_near(&*system.dynamics(), &at, (period, true), options)
+    }
 }
 
-/// The periodic orbit near `x` of an autonomous system, with a period near `period` (within 30 %).
-/// It is computed as in [`periodic_orbit_forced`], with the period as another unknown.
-///
-/// The state returned is where the orbit passes the plane through `x` perpendicular to the flow
-/// there.
-///
-/// # Errors
-/// As [`periodic_orbit_forced`].
-pub fn periodic_orbit<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    period: f64,
-    options: &Options,
-) -> Result<PeriodicOrbit, Error> {
-    let (t, x) = (0.0, x.vector());
-    orbit_near(
-        &*system.dynamics(),
-        &Moment { t, x },
-        (period, false),
-        options,
-    )
+impl PeriodicOrbit {
+    /// The periodic orbit near `x` of an autonomous system, with a period near `period` (within 30
+    /// %). It is computed as in [`PeriodicOrbit::near_forced`], with the period as another unknown.
+    ///
+    /// The state returned is where the orbit passes the plane through `x` perpendicular to the flow
+    /// there.
+    ///
+    /// # Errors
+    /// As [`PeriodicOrbit::near_forced`].
+    pub fn near<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        period: f64,
+        options: &Options,
+    ) -> Result<PeriodicOrbit, Error> {
+        let (t, x) = (0.0, x.vector());
+        orbit_near(
+            &*system.dynamics(),
+            &Moment { t, x },
+            (period, false),
+            options,
+        )
+    }
 }
 
-/// The periodic orbit that the orbit from `x0` of an autonomous system approaches; no guess is
-/// needed.
-///
-/// After `transient` the run passes repeatedly through a plane perpendicular to the flow, for at
-/// most `longest`. The first return that is about as near as the nearest one (within a factor of
-/// two) gives the period for [`periodic_orbit`]. Of the orbit found, [`with_shortest_period`] is
-/// returned.
-///
-/// # Errors
-/// Those of [`periodic_orbit`]; [`Error::NotFound`] where there is no return, as on the way to an
-/// equilibrium.
-///
-/// ```
-#[doc = include_str!("../../examples/common/belt.rs")]
-/// use stickslip::Options;
-/// use stickslip::analysis::{find_periodic_orbit, multipliers};
-///
-/// let belt = Belt { speed: 1.0 };
-/// let cycle = find_periodic_orbit(&belt, [-0.3, -0.7], 50.0, 50.0, &Options::tol(1e-12))?;
-/// let found = multipliers(&cycle.monodromy);
-/// assert!((found[0].re - 1.0).abs() < 1e-9 && found[1].re.abs() < 1.0); // stable
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-pub fn find_periodic_orbit<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x0: impl Components,
-    transient: f64,
-    longest: f64,
-    options: &Options,
-) -> Result<PeriodicOrbit, Error> {
-    let system = &*system.dynamics();
-    let (t, x) = (0.0, x0.vector());
-    let (at, t_end) = (Moment { t, x }, transient + longest);
-    let mut orbit = system.begin(&at, t_end, options, &[])?;
-    let not_found = || Error::NotFound {
-        what: "a return of the orbit",
-        t: transient,
-        span: longest,
-    };
-    let mut fewest_sticking: Option<(usize, StateInMode)> = None;
-    let (start, mode) = loop {
-        match orbit.step()? {
-            OrbitProgress::Step => {
-                let step = orbit.last_step();
-                let length = step.t_end - step.t_start;
-                if step.t_start < transient || length <= 0.0 {
-                    continue;
+impl PeriodicOrbit {
+    /// The periodic orbit that the orbit from `x0` of an autonomous system approaches; no guess is
+    /// needed.
+    ///
+    /// After `transient` the run passes repeatedly through a plane perpendicular to the flow, for
+    /// at most `longest`. The first return that is about as near as the nearest one (within a
+    /// factor of two) gives the period for [`PeriodicOrbit::near`]. Of the orbit found,
+    /// [`PeriodicOrbit::with_shortest_period`] is returned.
+    ///
+    /// # Errors
+    /// Those of [`PeriodicOrbit::near`]; [`Error::NotFound`] where there is no return, as on the
+    /// way to an equilibrium.
+    ///
+    /// ```
+    #[doc = include_str!("../../examples/common/belt.rs")]
+    /// use stickslip::Options;
+    /// use stickslip::analysis::{PeriodicOrbit, multipliers};
+    ///
+    /// let belt = Belt { speed: 1.0 };
+    /// let options = Options::tol(1e-12);
+    /// let cycle = PeriodicOrbit::approached(&belt, [-0.3, -0.7], 50.0, 50.0, &options)?;
+    /// let found = multipliers(&cycle.monodromy);
+    /// assert!((found[0].re - 1.0).abs() < 1e-9 && found[1].re.abs() < 1.0); // stable
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    pub fn approached<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x0: impl Components,
+        transient: f64,
+        longest: f64,
+        options: &Options,
+    ) -> Result<PeriodicOrbit, Error> {
+        let system = &*system.dynamics();
+        let (t, x) = (0.0, x0.vector());
+        let (at, t_end) = (Moment { t, x }, transient + longest);
+        let mut orbit = system.begin(&at, t_end, options, &[])?;
+        let not_found = || Error::NotFound {
+            what: "a return of the orbit",
+            t: transient,
+            span: longest,
+        };
+        let mut fewest_sticking: Option<(usize, StateInMode)> = None;
+        let (start, mode) = loop {
+            match orbit.step()? {
+                OrbitProgress::Step => {
+                    let step = orbit.last_step();
+                    let length = step.t_end - step.t_start;
+                    if step.t_start < transient || length <= 0.0 {
+                        continue;
+                    }
+                    let t = step.t_start + 0.5 * length;
+                    let x = orbit.solution()(t);
+                    let here = (Moment { t, x }, step.mode);
+                    let stick = system.normals(step.mode, &here.0).len();
+                    // In the middle of a slip it is not on Σ.
+                    if stick == 0 {
+                        break here;
+                    }
+                    if fewest_sticking
+                        .as_ref()
+                        .is_none_or(|(least, _)| stick < *least)
+                    {
+                        fewest_sticking = Some((stick, (settled(system, &here), step.mode)));
+                    }
                 }
-                let t = step.t_start + 0.5 * length;
-                let x = orbit.solution()(t);
-                let here = (Moment { t, x }, step.mode);
-                let stick = system.normals(step.mode, &here.0).len();
-                // In the middle of a slip it is not on Σ.
-                if stick == 0 {
+                OrbitProgress::End(summary) if summary.ending == Ending::EndTime => {
+                    let moves = |(_, (at, mode)): &(usize, StateInMode)| {
+                        velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
+                    };
+                    let (_, here) = fewest_sticking.filter(moves).ok_or_else(not_found)?;
+                    orbit = system.begin(&here.0, t_end, options, &[])?;
                     break here;
                 }
-                if fewest_sticking
-                    .as_ref()
-                    .is_none_or(|(least, _)| stick < *least)
-                {
-                    fewest_sticking = Some((stick, (settled(system, &here), step.mode)));
+                OrbitProgress::End(summary) => return Err(summary.no_future_error()),
+                OrbitProgress::PhaseEnd(_)
+                | OrbitProgress::Transition(_)
+                | OrbitProgress::Passage(_)
+                | OrbitProgress::Kink(_) => {}
+            }
+        };
+        orbit.watch(&[plane(system, mode, &start)]);
+        // Within the error of the run, all returns are equally good.
+        let error = SOLVER_TOLERANCES * (options.atol.largest() + options.rtol * start.x.norm());
+        let mut returns = Vec::new();
+        loop {
+            match orbit.step()? {
+                OrbitProgress::Passage(at) => {
+                    let distance = (at.x - &start.x).norm();
+                    returns.push((at.t - start.t, distance));
+                    if distance <= error {
+                        break;
+                    }
                 }
+                OrbitProgress::End(summary) if summary.ending == Ending::EndTime => break,
+                OrbitProgress::End(summary) => return Err(summary.no_future_error()),
+                OrbitProgress::Step
+                | OrbitProgress::PhaseEnd(_)
+                | OrbitProgress::Transition(_)
+                | OrbitProgress::Kink(_) => {}
             }
-            OrbitProgress::End(summary) if summary.ending == Ending::EndTime => {
-                let moves = |(_, (at, mode)): &(usize, StateInMode)| {
-                    velocity_in(system, *mode, at).amax() * longest > f64::EPSILON * at.x.amax()
-                };
-                let (_, here) = fewest_sticking.filter(moves).ok_or_else(not_found)?;
-                orbit = system.begin(&here.0, t_end, options, &[])?;
-                break here;
-            }
-            OrbitProgress::End(summary) => return Err(summary.no_future_error()),
-            OrbitProgress::PhaseEnd(_)
-            | OrbitProgress::Transition(_)
-            | OrbitProgress::Passage(_)
-            | OrbitProgress::Kink(_) => {}
         }
-    };
-    orbit.watch(&[plane(system, mode, &start)]);
-    // Within the error of the run, all returns are equally good.
-    let error = SOLVER_TOLERANCES * (options.atol.largest() + options.rtol * start.x.norm());
-    let mut returns = Vec::new();
-    loop {
-        match orbit.step()? {
-            OrbitProgress::Passage(at) => {
-                let distance = (at.x - &start.x).norm();
-                returns.push((at.t - start.t, distance));
-                if distance <= error {
-                    break;
-                }
-            }
-            OrbitProgress::End(summary) if summary.ending == Ending::EndTime => break,
-            OrbitProgress::End(summary) => return Err(summary.no_future_error()),
-            OrbitProgress::Step
-            | OrbitProgress::PhaseEnd(_)
-            | OrbitProgress::Transition(_)
-            | OrbitProgress::Kink(_) => {}
-        }
+        let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
+        let near = 2.0 * nearest.max(error);
+        let first = returns.iter().find(|r| r.1 <= near);
+        let &(period, _) = first.ok_or_else(not_found)?;
+        let start = Moment { t: 0.0, ..start };
+        let orbit = orbit_near(system, &start, (period, false), options)?;
+        shortest(system, orbit, None, options)
     }
-    let nearest = returns.iter().map(|r| r.1).fold(f64::INFINITY, f64::min);
-    let near = 2.0 * nearest.max(error);
-    let first = returns.iter().find(|r| r.1 <= near);
-    let &(period, _) = first.ok_or_else(not_found)?;
-    let start = Moment { t: 0.0, ..start };
-    let orbit = orbit_near(system, &start, (period, false), options)?;
-    shortest(system, orbit, None, options)
 }
 
-/// The periodic orbit with its shortest period. Where a run alternates about the orbit that it
-/// approaches, its nearest return comes after a multiple of the period.
-///
-/// A part of the orbit is an orbit if it closes to within [`PeriodicOrbit::closes_to`]. With a
-/// drive, whose period divides that of the orbit, a part takes whole periods of the drive. Shortly
-/// before a period doubling, halves close less well. There the orbit of half the period is taken if
-/// it attracts, and both halves agree to what shooting resolves.
-///
-/// # Errors
-/// Those of [`periodic_orbit`].
-pub fn with_shortest_period<Kind>(
-    system: &impl AsDynamics<Kind>,
-    orbit: PeriodicOrbit,
-    drive: Option<f64>,
-    options: &Options,
-) -> Result<PeriodicOrbit, Error> {
-    shortest(&*system.dynamics(), orbit, drive, options)
+impl PeriodicOrbit {
+    /// The periodic orbit with its shortest period. Where a run alternates about the orbit that it
+    /// approaches, its nearest return comes after a multiple of the period.
+    ///
+    /// A part of the orbit is an orbit if it closes to within [`PeriodicOrbit::closes_to`]. With a
+    /// drive, whose period divides that of the orbit, a part takes whole periods of the drive.
+    /// Shortly before a period doubling, halves close less well. There the orbit of half the period
+    /// is taken if it attracts, and both halves agree to what shooting resolves.
+    ///
+    /// # Errors
+    /// Those of [`PeriodicOrbit::near`].
+    pub fn with_shortest_period<Kind>(
+        self,
+        system: &impl AsDynamics<Kind>,
+        drive: Option<f64>,
+        options: &Options,
+    ) -> Result<PeriodicOrbit, Error> {
+        shortest(&*system.dynamics(), self, drive, options)
+    }
 }
 
 fn shortest(
@@ -287,7 +296,7 @@ fn half(
         t: orbit.t,
         x: orbit.x.clone(),
     };
-    let outline = Outline::of_run(system, &start, orbit.period, options).ok()?;
+    let outline = OrbitGuess::of_run(system, &start, orbit.period, options).ok()?;
     let forced = is_forced.then_some(orbit.period);
     let cycle = Shooting::of(system, &outline, forced, options).nearest(&outline, None)?;
     if cycle.is_half_twice() != Some(true) {
@@ -299,46 +308,50 @@ fn half(
     (stability == Stability::Stable).then_some(half)
 }
 
-/// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`]; NaN where
-/// the orbit is not found again. It is computed with half the steps, as for places on a branch, and
-/// with the options by which it was found; `is_forced` for a forced system.
-pub fn multiplier_uncertainties<Kind>(
-    system: &impl AsDynamics<Kind>,
-    orbit: &PeriodicOrbit,
-    is_forced: bool,
-    options: &Options,
-) -> Vec<f64> {
-    let x = orbit.x.clone();
-    let at = (Moment { t: orbit.t, x }, orbit.period, is_forced);
-    let again = with_half_steps(&*system.dynamics(), at, options);
-    let others = again.map_or_else(Vec::new, |cycle| {
-        // The trivial one of an autonomous system is not computed again.
-        let trivial = (!is_forced).then_some(Complex::new(1.0, 0.0));
-        let mut found = eigenvalues(&cycle.monodromy);
-        found.extend(trivial);
-        found
-    });
-    let found = multipliers(&orbit.monodromy);
-    uncertainties(&found, others, orbit.monodromy.amax())
+impl PeriodicOrbit {
+    /// Uncertainties of the multipliers of a periodic orbit, in the order of [`multipliers`]; NaN
+    /// where the orbit is not found again. It is computed with half the steps, as for places on a
+    /// branch, and with the options by which it was found; `is_forced` for a forced system.
+    pub fn multiplier_uncertainties<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        is_forced: bool,
+        options: &Options,
+    ) -> Vec<f64> {
+        let x = self.x.clone();
+        let at = (Moment { t: self.t, x }, self.period, is_forced);
+        let again = with_half_steps(&*system.dynamics(), at, options);
+        let others = again.map_or_else(Vec::new, |cycle| {
+            // The trivial one of an autonomous system is not computed again.
+            let trivial = (!is_forced).then_some(Complex::new(1.0, 0.0));
+            let mut found = eigenvalues(&cycle.monodromy);
+            found.extend(trivial);
+            found
+        });
+        let found = multipliers(&self.monodromy);
+        uncertainties(&found, others, self.monodromy.amax())
+    }
 }
 
-/// Uncertainties of the multipliers of an orbit of a branch, in their order, as
-/// [`multiplier_uncertainties`] computes them. The system has the orbit's value of the parameter,
-/// which is no state there.
-pub fn branch_multiplier_uncertainties<Kind>(
-    system: &impl AsDynamics<Kind>,
-    orbit: &BranchPoint,
-    is_forced: bool,
-    options: &Options,
-) -> Vec<f64> {
-    let system = &*system.dynamics();
-    let x = orbit.x.rows(0, system.states()).into_owned();
-    let at = (Moment { t: orbit.t, x }, orbit.period, is_forced);
-    let again = with_half_steps(system, at, options);
-    let (others, largest) = again.map_or((Vec::new(), f64::NAN), |cycle| {
-        (eigenvalues(&cycle.monodromy), cycle.monodromy.amax())
-    });
-    uncertainties(&orbit.multipliers, others, largest)
+impl BranchPoint {
+    /// Uncertainties of the multipliers of an orbit of a branch, in their order, as
+    /// [`PeriodicOrbit::multiplier_uncertainties`] computes them. The system has the orbit's value
+    /// of the parameter, which is no state there.
+    pub fn multiplier_uncertainties<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        is_forced: bool,
+        options: &Options,
+    ) -> Vec<f64> {
+        let system = &*system.dynamics();
+        let x = self.x.rows(0, system.states()).into_owned();
+        let at = (Moment { t: self.t, x }, self.period, is_forced);
+        let again = with_half_steps(system, at, options);
+        let (others, largest) = again.map_or((Vec::new(), f64::NAN), |cycle| {
+            (eigenvalues(&cycle.monodromy), cycle.monodromy.amax())
+        });
+        uncertainties(&self.multipliers, others, largest)
+    }
 }
 
 /// A periodic orbit once more, with half the steps.
@@ -347,7 +360,7 @@ fn with_half_steps(
     (at, period, is_forced): (Moment, f64, bool),
     options: &Options,
 ) -> Option<Cycle> {
-    let outline = Outline::of_run(system, &at, period, options).ok()?;
+    let outline = OrbitGuess::of_run(system, &at, period, options).ok()?;
     let forced = is_forced.then_some(period);
     let finer = Shooting::of(system, &outline, forced, options).finer();
     finer.nearest(&outline, None)
@@ -359,7 +372,7 @@ type StateInMode = (Moment, Modes);
 /// Projects onto the boundaries of sticking contacts a state that lies near them.
 fn settled(system: &dyn Dynamics, (at, mode): &StateInMode) -> Moment {
     let onto = |at: Moment| Moment {
-        x: system.flow(*mode, &at).settled(&at),
+        x: system.flow(*mode, &at).projected(&at),
         ..at
     };
     // The first projection leaves the rounding of the original state, which next to zero exceeds
@@ -418,7 +431,7 @@ fn orbit_in_sequences(
     let mut last = start.clone();
     let mut rejected: Option<Vec<Modes>> = None;
     for _ in 0..MOST_SEQUENCES {
-        let outline = Outline::of_run(system, &from, period, options)?;
+        let outline = OrbitGuess::of_run(system, &from, period, options)?;
         let shooting = Shooting::of(system, &outline, forced, options);
         let next = match shooting.nearest(&outline, None) {
             Some(cycle) if shooting.is_valid(&cycle) || rejected == Some(outline.modes()) => {

@@ -1,8 +1,6 @@
 //! Derivatives of a periodic orbit by parameters.
 
-use super::derivatives::{
-    Differentiated, EventDerivatives, OrbitDerivatives, Variable, orbit_derivatives_of,
-};
+use super::derivatives::{Differentiated, EventDerivatives, OrbitDerivatives, Variable};
 use super::monodromy::{flow_derivative, velocity_in};
 use super::periodic::PeriodicOrbit;
 use crate::dynamics::{
@@ -32,7 +30,7 @@ pub struct ExtremeDerivatives {
     pub by: Vec<f64>,
 }
 
-/// Derivatives of a periodic orbit, as [`periodic_derivatives`] computes them.
+/// Derivatives of a periodic orbit, as [`PeriodicOrbit::derivatives`] computes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeriodicDerivatives {
     /// Derivatives of the period.
@@ -45,115 +43,117 @@ pub struct PeriodicDerivatives {
     pub extremes: Vec<[ExtremeDerivatives; 2]>,
 }
 
-/// Derivatives of a periodic orbit by parameters, which are last states of `system`: of its period,
-/// of its state and of the smallest and largest value of each state.
-///
-/// They follow from the equations of the shooting, `φ(T; x, p) = x` with the flow `φ`, by the
-/// implicit function theorem: `(M − I) dx + f dT = −∂φ/∂p dp`. The monodromy matrix `M` and `∂φ/∂p`
-/// are computed on dual numbers, through all events. An extreme moves with the orbit, since the
-/// velocity of the state is zero there, or as the event does at which the velocity changes its
-/// sign.
-///
-/// `parameters` are their values. The period of a forced orbit changes with that of the drive,
-/// which the system tells: [`crate::Filippov::period`]. `options` are those by which the orbit was
-/// found.
-///
-/// ```
-/// use stickslip::analysis::{periodic_derivatives, periodic_orbit_forced};
-/// use stickslip::{Family, Options, Scalar, Side, math};
-///
-/// /// A state that follows a drive of strength `a`: x′ = −x + a sin t.
-/// struct Follower;
-/// impl Family<1, 1> for Follower {
-///     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1], a: &[T; 1]) -> [T; 1] {
-///         [a[0] * t.sin() - x[0]]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 1], _a: &[T; 1]) -> T {
-///         T::constant(1.0)
-///     }
-/// }
-///
-/// let (period, options) = (2.0 * std::f64::consts::PI, Options::tol(1e-12));
-/// let follower = Follower.at([2.0]);
-/// let orbit = periodic_orbit_forced(&follower, 0.0, [0.0], period, &options)?;
-/// let along = follower.free([0])?;
-/// let found = periodic_derivatives(&along, &orbit, &[2.0], true, &options)?;
-/// // The amplitude is a/√2.
-/// assert!((found.extremes[0][1].by[0] - 0.5_f64.sqrt()).abs() < 1e-9);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-///
-/// # Errors
-/// Those of [`crate::run`]. [`Error::TangentSingular`] where the orbit has no derivative, as at a
-/// graze. [`Error::NotFound`] for an orbit of a family, and for one without neighbours, as at a
-/// fold. The same error is returned where a discrete state depends on a parameter at the start of
-/// the period. [`Error::Parameter`] where the numbers of states do not fit.
-pub fn periodic_derivatives<Kind>(
-    system: &impl AsDynamics<Kind>,
-    orbit: &PeriodicOrbit,
-    parameters: &[f64],
-    is_forced: bool,
-    options: &Options,
-) -> Result<PeriodicDerivatives, Error> {
-    let system = &*system.dynamics();
-    let (n, count) = (orbit.x.len(), parameters.len());
-    if n + count != system.states() {
-        return Err(Error::Parameter {
-            name: "the number of states with their parameters",
-            value: system.states() as f64,
-            bound: "the sum of both numbers",
+impl PeriodicOrbit {
+    /// Derivatives of a periodic orbit by parameters, which are last states of `system`: of its
+    /// period, of its state and of the smallest and largest value of each state.
+    ///
+    /// They follow from the equations of the shooting, `φ(T; x, p) = x` with the flow `φ`, by the
+    /// implicit function theorem: `(M − I) dx + f dT = −∂φ/∂p dp`. The monodromy matrix `M` and
+    /// `∂φ/∂p` are computed on dual numbers, through all events. An extreme moves with the orbit,
+    /// since the velocity of the state is zero there, or as the event does at which the velocity
+    /// changes its sign.
+    ///
+    /// `parameters` are their values. The period of a forced orbit changes with that of the drive,
+    /// which the system tells: [`crate::Filippov::period`]. `options` are those by which the orbit
+    /// was found.
+    ///
+    /// ```
+    /// use stickslip::analysis::PeriodicOrbit;
+    /// use stickslip::{Family, Options, Scalar, Side, math};
+    ///
+    /// /// A state that follows a drive of strength `a`: x′ = −x + a sin t.
+    /// struct Follower;
+    /// impl Family<1, 1> for Follower {
+    ///     fn field<T: Scalar>(&self, _side: Side, t: T, x: &[T; 1], a: &[T; 1]) -> [T; 1] {
+    ///         [a[0] * t.sin() - x[0]]
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 1], _a: &[T; 1]) -> T {
+    ///         T::constant(1.0)
+    ///     }
+    /// }
+    ///
+    /// let (period, options) = (2.0 * std::f64::consts::PI, Options::tol(1e-12));
+    /// let follower = Follower.at([2.0]);
+    /// let orbit = PeriodicOrbit::near_forced(&follower, 0.0, [0.0], period, &options)?;
+    /// let along = follower.free([0])?;
+    /// let found = orbit.derivatives(&along, &[2.0], true, &options)?;
+    /// // The amplitude is a/√2.
+    /// assert!((found.extremes[0][1].by[0] - 0.5_f64.sqrt()).abs() < 1e-9);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`crate::run`]. [`Error::TangentSingular`] where the orbit has no derivative, as at
+    /// a graze. [`Error::NotFound`] for an orbit of a family, and for one without neighbours, as at
+    /// a fold. The same error is returned where a discrete state depends on a parameter at the
+    /// start of the period. [`Error::Parameter`] where the numbers of states do not fit.
+    pub fn derivatives<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        parameters: &[f64],
+        is_forced: bool,
+        options: &Options,
+    ) -> Result<PeriodicDerivatives, Error> {
+        let system = &*system.dynamics();
+        let (n, count) = (self.x.len(), parameters.len());
+        if n + count != system.states() {
+            return Err(Error::Parameter {
+                name: "the number of states with their parameters",
+                value: system.states() as f64,
+                bound: "the sum of both numbers",
+            });
+        }
+        let missing = |what: &'static str| Error::NotFound {
+            what,
+            t: self.t,
+            span: self.period,
+        };
+        if self.family > 0 {
+            return Err(missing(
+                "the derivative of an orbit that is one of a family",
+            ));
+        }
+        let state = self.x.iter().chain(parameters).copied();
+        let start = Moment {
+            t: self.t,
+            x: Vector::from_iterator(n + count, state),
+        };
+        let t_end = self.t + self.period;
+        let by: Vec<Variable> = (0..n + count).map(Variable::Start).collect();
+        let found = Extremes::of(system, &start, t_end, n, options)?;
+        let times = found.times();
+        let of = Differentiated::all(system, &by);
+        let along = of.derivatives(start.clone(), t_end, &times, &[], options)?;
+        if let Some(lost) = along.lost {
+            return Err(lost);
+        }
+        let drive = is_forced.then(|| match system.period(&start.x) {
+            Some((drive, slopes)) => slopes.rows(n, count) * (self.period / drive).round(),
+            None => Vector::zeros(count),
         });
+        let (flow, velocity) = flow_derivative(system, &start, t_end, options, !is_forced)?;
+        let solved = solved(
+            &flow.matrix,
+            (&velocity, &found.velocity),
+            (n, count),
+            drive.as_ref(),
+        );
+        let (x, period) = solved.ok_or_else(|| missing("an orbit beside the periodic orbit"))?;
+        let holds = |state: usize| !system.is_discrete(state) || x.row(state).amax() == 0.0;
+        if !(0..n).all(holds) {
+            return Err(missing("the derivative of a discrete state at the start"));
+        }
+        // Of the start of the run: the state on the orbit, and the parameters themselves.
+        let mut seeds = Matrix::zeros(n + count, count);
+        seeds.rows_mut(0, n).copy_from(&x);
+        seeds.rows_mut(n, count).fill_with_identity();
+        let extremes = found.derivatives(system, (&along, &times), &seeds);
+        Ok(PeriodicDerivatives {
+            period,
+            x,
+            extremes,
+        })
     }
-    let missing = |what: &'static str| Error::NotFound {
-        what,
-        t: orbit.t,
-        span: orbit.period,
-    };
-    if orbit.family > 0 {
-        return Err(missing(
-            "the derivative of an orbit that is one of a family",
-        ));
-    }
-    let state = orbit.x.iter().chain(parameters).copied();
-    let start = Moment {
-        t: orbit.t,
-        x: Vector::from_iterator(n + count, state),
-    };
-    let t_end = orbit.t + orbit.period;
-    let by: Vec<Variable> = (0..n + count).map(Variable::Start).collect();
-    let found = Extremes::of(system, &start, t_end, n, options)?;
-    let times = found.times();
-    let of = Differentiated::all(system, &by);
-    let along = orbit_derivatives_of(of, start.clone(), t_end, &times, &[], options)?;
-    if let Some(lost) = along.lost {
-        return Err(lost);
-    }
-    let drive = is_forced.then(|| match system.period(&start.x) {
-        Some((drive, slopes)) => slopes.rows(n, count) * (orbit.period / drive).round(),
-        None => Vector::zeros(count),
-    });
-    let (flow, velocity) = flow_derivative(system, &start, t_end, options, !is_forced)?;
-    let solved = solved(
-        &flow.matrix,
-        (&velocity, &found.velocity),
-        (n, count),
-        drive.as_ref(),
-    );
-    let (x, period) = solved.ok_or_else(|| missing("an orbit beside the periodic orbit"))?;
-    let holds = |state: usize| !system.is_discrete(state) || x.row(state).amax() == 0.0;
-    if !(0..n).all(holds) {
-        return Err(missing("the derivative of a discrete state at the start"));
-    }
-    // Of the start of the run: the state on the orbit, and the parameters themselves.
-    let mut seeds = Matrix::zeros(n + count, count);
-    seeds.rows_mut(0, n).copy_from(&x);
-    seeds.rows_mut(n, count).fill_with_identity();
-    let extremes = found.derivatives(system, (&along, &times), &seeds);
-    Ok(PeriodicDerivatives {
-        period,
-        x,
-        extremes,
-    })
 }
 
 /// The derivatives of state and period from those of the flow over a period: `velocities` are those

@@ -4,24 +4,11 @@ use super::graze::check_step;
 use super::monodromy::{TangentMap, velocity_in};
 use super::tangent::{Tangent, singular};
 use crate::dynamics::{
-    Components, Dynamics, DynamicsRef, Matrix, Modes, Moment, OrbitProgress, OrbitUnderWay,
-    Passage, Section, Step, Typed, Vector, watched,
+    Components, Dynamics, DynamicsRef, Matrix, Moment, OrbitProgress, OrbitUnderWay, Passage,
+    Section, Step, Typed, Vector, watched,
 };
 use crate::error::{Error, require};
 use crate::filippov::{EventFunctions, Options, Switched};
-
-/// A return to a section.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Return {
-    /// Index of the return, counted from 1.
-    pub number: usize,
-    /// Time.
-    pub t: f64,
-    /// State, on the section.
-    pub x: Vector,
-    /// Mode at the passage; at the end of a phase, the mode that ends.
-    pub mode: Modes,
-}
 
 /// A passage rate up to this fraction of its summands is zero to rounding. It is some thousand
 /// units in the last place, for the error of the field.
@@ -30,20 +17,21 @@ const RATE_ROUNDING: f64 = 1e-12;
 /// The Poincaré map of a system and a section: a discrete-time system, in which each step is one
 /// return.
 ///
-/// The section is an event function ([`EventFunctions`]) with a direction: [`crate::Plane`], or a
-/// user's own, which may depend on time (a strobe). A start on the section is no return. The orbit
+/// The section is a plane, a strobe, or an event function ([`EventFunctions`]) of the user's own,
+/// which has a direction and may depend on time. A start on the section is no return. The orbit
 /// is not restarted, so that the returns are those of one run. As an iterator the map has no end,
 /// except after an error.
 ///
 /// ```
 #[doc = include_str!("../../examples/common/belt.rs")]
-/// use stickslip::{Direction, Options, Plane, analysis::PoincareMap};
+/// use stickslip::dynamics::{AsDynamics, Section};
+/// use stickslip::{Direction, Options, analysis::PoincareMap};
 ///
 /// let belt = Belt { speed: 1.0 };
-/// let (point, normal) = ([0.0, 0.0].into(), [1.0, 0.0].into());
-/// let section = Plane { point, normal, direction: Direction::Rising };
-/// let options = Options::tol(1e-12);
-/// let mut map = PoincareMap::new(&belt, &section, (0.0, [0.5, 1.5]), 50.0, &options)?;
+/// let (point, normal) = (vec![0.0, 0.0].into(), vec![1.0, 0.0].into());
+/// let section = Section::Plane { point, normal, direction: Direction::Rising };
+/// let (belt, options) = (belt.dynamics(), Options::tol(1e-12));
+/// let mut map = PoincareMap::at_run_time(&*belt, section, (0.0, [0.5, 1.5]), 50.0, &options)?;
 /// for at in map.by_ref().take(20) {
 ///     let at = at?;
 ///     println!("return {} at t = {}: x' = {}", at.number, at.t, at.x[1]);
@@ -93,14 +81,38 @@ impl<'a> PoincareMap<'a> {
         Ok(PoincareMap::of(
             dynamics,
             orbit,
-            Section::Own(0),
+            Section::OfSystem(0),
             at,
             longest,
             options,
         ))
     }
 
-    /// The map of a system known at run time.
+    /// The map of a system known at run time, or of a plane or a strobe.
+    ///
+    /// ```
+    /// use stickslip::dynamics::{AsDynamics, Section};
+    /// use stickslip::{Filippov, Options, Scalar, Side, analysis::PoincareMap};
+    ///
+    /// /// A block on a floor, pushed with period 2.
+    /// struct Pushed;
+    ///
+    /// impl Filippov<2> for Pushed {
+    ///     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
+    ///         let push = (t * std::f64::consts::PI).cos() * 3.0;
+    ///         [x[1], push - x[0] - 0.4 * side.sign()]
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
+    ///         x[1]
+    ///     }
+    /// }
+    ///
+    /// let strobe = Section::Strobe { first: 0.0, period: 2.0 };
+    /// let (pushed, options) = (Pushed.dynamics(), Options::tol(1e-10));
+    /// let mut map = PoincareMap::at_run_time(&*pushed, strobe, (0.0, [0.1, 0.2]), 3.0, &options)?;
+    /// assert!((map.step()?.t - 2.0).abs() < 1e-12);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
     ///
     /// # Errors
     /// As [`PoincareMap::new`].
@@ -156,12 +168,12 @@ impl<'a> PoincareMap<'a> {
         self.number
     }
 
-    /// The next return.
+    /// The next return. Its number counts the returns, from 1.
     ///
     /// # Errors
     /// Those of [`crate::Integration::step`]; [`Error::NotFound`] where there is no return within
     /// the longest time; [`Error::NoUniqueFuture`] where Σ repels or the orbit reaches a two-fold.
-    pub fn step(&mut self) -> Result<Return, Error> {
+    pub fn step(&mut self) -> Result<Passage, Error> {
         let passage = self.advance(None)?;
         Ok(self.arrive(passage))
     }
@@ -175,13 +187,13 @@ impl<'a> PoincareMap<'a> {
     /// multipliers of a periodic orbit, with zero in place of the trivial one. The time at the last
     /// return is held fixed. In a non-autonomous system, derivatives of successive returns multiply
     /// only where the section fixes the time. From a state in stick it begins as
-    /// [`crate::analysis::monodromy`] does.
+    /// [`crate::analysis::Monodromy::of`] does.
     ///
     /// # Errors
     /// Those of [`PoincareMap::step`]; [`Error::TangentSingular`] where the orbit passes the
     /// section at zero rate, and where the flow up to there has no derivative. The passage still
     /// counts as a return and starts the next derivative.
-    pub fn step_with_derivative(&mut self) -> Result<(Return, Matrix), Error> {
+    pub fn step_with_derivative(&mut self) -> Result<(Passage, Matrix), Error> {
         let mut map = TangentMap::identity(&*self.dynamics);
         map.begin(&*self.dynamics, self.orbit.mode(), &self.at);
         let passage = self.advance(Some(&mut map))?;
@@ -247,15 +259,12 @@ impl<'a> PoincareMap<'a> {
         }
     }
 
-    fn arrive(&mut self, passage: Passage) -> Return {
-        let Passage { t, x, mode, .. } = passage;
-        self.at = Moment { t, x: x.clone() };
+    fn arrive(&mut self, passage: Passage) -> Passage {
+        self.at = passage.moment();
         self.number += 1;
-        Return {
+        Passage {
             number: self.number,
-            t,
-            x,
-            mode,
+            ..passage
         }
     }
 
@@ -280,7 +289,7 @@ fn bounded(longest: f64, options: &Options) -> Result<Options, Error> {
 }
 
 impl Iterator for PoincareMap<'_> {
-    type Item = Result<Return, Error>;
+    type Item = Result<Passage, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         if self.has_failed {

@@ -229,7 +229,7 @@ impl Meeting {
 fn mode_after(system: &dyn Dynamics, place: &Place, to: &Moment, held: f64) -> Modes {
     let flow = system.flow_held(place.mode, to, held);
     let guards = flow.guards().into_iter();
-    let own = guards.filter(|guard| !guard.is_of_jump && !guard.goes_on);
+    let own = guards.filter(|guard| !guard.is_of_jump && !guard.continues_phase);
     own.fold(place.mode, |mode, guard| {
         let zero = Zero::of_guard(system, guard.number, place.mode, to, held);
         match place.mode.get(guard.contact) {
@@ -251,7 +251,7 @@ fn beyond(system: &dyn Dynamics, place: &Place, contact: usize, held: f64) -> Op
     let mode = place.mode.with(contact, other);
     let flow = system.flow_held(mode, &place.at, held);
     let guards = flow.guards().into_iter();
-    let mut own = guards.filter(|guard| guard.contact == contact && !guard.goes_on);
+    let mut own = guards.filter(|guard| guard.contact == contact && !guard.continues_phase);
     let guard = own.next()?;
     let rate = Zero::of_guard(system, guard.number, mode, &place.at, held).rate;
     Some(if rate > 0.0 { other } else { Mode::Stick })
@@ -265,7 +265,7 @@ fn others(system: &dyn Dynamics, at: &Transition, place: &Place, late: f64) -> V
     let event = |guard: Guard| {
         let zero = Zero::of_guard(system, guard.number, place.mode, &place.at, at.t);
         let (zero, goes) = (zero.later(late), zero.goes());
-        if guard.contact == at.contact || guard.goes_on || !zero.is_here() {
+        if guard.contact == at.contact || guard.continues_phase || !zero.is_here() {
             return None;
         }
         if guard.is_of_jump {

@@ -92,7 +92,7 @@ impl<'a> Tangent<'a> {
     pub(crate) fn carried(&self, step: &Step, vectors: &[Vector]) -> Vec<Vector> {
         let flow = self.system.flow(step.mode, &step.end());
         let shifts = self.system.kink_shifts(step);
-        let mut images = flow.carried(step, vectors, self.carrying);
+        let mut images = flow.transport(step, vectors, self.carrying);
         for image in &mut images {
             for shift in &shifts {
                 *image += &shift.kick * (shift.gradient.dot(image) / shift.rate);

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::carried::{CarriedOver, TangentVector};
 use super::jumps::Jumps;
 use super::view::View;
-use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, Vector};
+use super::{Carrying, Guard, Modes, Moment, SmoothFlow, Step, TangentFlow, Vector};
 use crate::dual::Dual;
 use crate::duals::Duals;
 use crate::filippov::{Direction, Flow, GuardGradient, Settled, Switched, UseFlow, Velocity};
@@ -132,12 +132,61 @@ where
     S: Switched<N, G>,
     J: Jumps<N>,
 {
-    fn moving(&self) -> usize {
-        self.view.system.dimension().min(self.view.states)
-    }
-
     fn velocity(&self, at: &Moment) -> Vector {
         self.velocity_at(&self.view.timed(at))
+    }
+
+    fn guards(&self) -> Vec<Guard> {
+        let system = self.view.system;
+        let guard = |number: usize| Guard {
+            number,
+            contact: S::contact_of(number),
+            continues_phase: system
+                .event_within_mode(number, &mut S::Branch::default())
+                .is_some(),
+            is_of_jump: false,
+            is_watched: true,
+            is_condition: true,
+            is_reaction: false,
+        };
+        let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
+        let guards = guards.filter(|guard| guard.contact < self.view.contacts);
+        let jumps = (0..self.view.jumps.count()).map(|jump| Guard {
+            number: G + jump,
+            contact: self.view.contacts + jump,
+            continues_phase: false,
+            is_of_jump: true,
+            is_watched: self.view.jumps.is_searched(jump) && !self.view.jumps.is_conditional(jump),
+            is_condition: self.view.jumps.is_never_negative(jump)
+                || self.view.jumps.is_reaction(jump),
+            is_reaction: self.view.jumps.is_reaction(jump),
+        });
+        guards.chain(jumps).collect()
+    }
+
+    fn guard(&self, number: usize, at: &Moment) -> f64 {
+        if let Some(jump) = self.jump(number) {
+            let Timed { t, x } = self.view.timed(at);
+            return jump.guard(t, components(&x));
+        }
+        self.with_flow_of_guards(GuardValue(number, self.view.timed(at)))
+    }
+
+    fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
+        if let Some(jump) = self.jump(number) {
+            return self.with_flow_of_field(JumpJet(&jump, self.view.timed(at)));
+        }
+        self.with_flow_of_guards(GuardJet(number, self.view.timed(at)))
+    }
+}
+
+impl<S, V, J, const N: usize, const G: usize> TangentFlow for TypedFlow<'_, S, V, J, N, G>
+where
+    S: Switched<N, G>,
+    J: Jumps<N>,
+{
+    fn moving(&self) -> usize {
+        self.view.system.dimension().min(self.view.states)
     }
 
     fn derivative(&self, at: &Moment, along: &Vector) -> Vector {
@@ -165,45 +214,9 @@ where
         diagonal.sum()
     }
 
-    fn settled(&self, at: &Moment) -> Vector {
+    fn projected(&self, at: &Moment) -> Vector {
         let settled = self.with_flow_of_field(Settled(self.view.timed(at)));
         self.view.vector(&settled)
-    }
-
-    fn guards(&self) -> Vec<Guard> {
-        let system = self.view.system;
-        let guard = |number: usize| Guard {
-            number,
-            contact: S::contact_of(number),
-            goes_on: system
-                .event_within_mode(number, &mut S::Branch::default())
-                .is_some(),
-            is_of_jump: false,
-            is_watched: true,
-            is_condition: true,
-            is_reaction: false,
-        };
-        let guards = self.with_flow_of_field(Guards).iter().copied().map(guard);
-        let guards = guards.filter(|guard| guard.contact < self.view.contacts);
-        let jumps = (0..self.view.jumps.count()).map(|jump| Guard {
-            number: G + jump,
-            contact: self.view.contacts + jump,
-            goes_on: false,
-            is_of_jump: true,
-            is_watched: self.view.jumps.is_searched(jump) && !self.view.jumps.is_conditional(jump),
-            is_condition: self.view.jumps.is_never_negative(jump)
-                || self.view.jumps.is_reaction(jump),
-            is_reaction: self.view.jumps.is_reaction(jump),
-        });
-        guards.chain(jumps).collect()
-    }
-
-    fn guard(&self, number: usize, at: &Moment) -> f64 {
-        if let Some(jump) = self.jump(number) {
-            let Timed { t, x } = self.view.timed(at);
-            return jump.guard(t, components(&x));
-        }
-        self.with_flow_of_guards(GuardValue(number, self.view.timed(at)))
     }
 
     fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64) {
@@ -218,14 +231,7 @@ where
         (self.view.vector(&gradient), in_time)
     }
 
-    fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4] {
-        if let Some(jump) = self.jump(number) {
-            return self.with_flow_of_field(JumpJet(&jump, self.view.timed(at)));
-        }
-        self.with_flow_of_guards(GuardJet(number, self.view.timed(at)))
-    }
-
-    fn carried(&self, step: &Step, vectors: &[Vector], how: Carrying) -> Vec<Vector> {
+    fn transport(&self, step: &Step, vectors: &[Vector], how: Carrying) -> Vec<Vector> {
         let view = &self.view;
         let x = view.timed(&step.start()).x;
         let vectors = vectors.iter().map(|vector| TangentVector {

@@ -14,7 +14,7 @@ use crate::system::{State, components};
 /// the state that is zero at a start and goes in that direction makes its jump there.
 ///
 /// ```
-/// use stickslip::dynamics::{AsDynamics, OrbitProgress, Jumps, Moment, Section, WithJumps};
+/// use stickslip::dynamics::{AsDynamics, Jumps, Moment, OrbitProgress, Section, WithJumps};
 /// use stickslip::{Direction, Filippov, Options, Scalar, Side, TransitionKind};
 ///
 /// /// A ball that falls, far from a boundary that does nothing.
@@ -257,7 +257,7 @@ pub struct WithJumps<S, J> {
 /// A comparison of two numbers on which a jump hangs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Comparison {
-    /// Its number among those of the jump.
+    /// Number among those of the jump.
     pub number: usize,
     /// The lead of the number that is asked to be larger.
     pub lead: f64,
@@ -272,9 +272,9 @@ pub struct Comparison {
     pub is_of_condition: bool,
 }
 
-/// What decides about a jump at a moment.
+/// The decision about a jump at a moment.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Decision {
+pub struct JumpDecision {
     /// Whether it would happen at a zero of its function there.
     pub happens: bool,
     /// The comparisons on which it hangs.

@@ -5,6 +5,7 @@
 
 mod batch;
 mod carried;
+mod event_maps;
 mod flow;
 mod interrupt;
 mod jump_search;
@@ -21,20 +22,21 @@ mod view;
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::{Error, Point};
-use crate::filippov::{Contacts, Direction, Method, Options, Several, Strobe};
+use crate::filippov::{Contacts, Direction, Options, Several};
 use crate::filippov::{EventOf, PhaseOf, TransitionOf};
-use crate::interval::Interval;
 use crate::orbit::{Counters, SummaryOf};
 use crate::system::{Filippov, State};
 
 pub use batch::Listener;
 pub(crate) use carried::TANGENT_ERROR;
+pub(crate) use event_maps::{Carrying, EventMaps, TangentFlow};
 pub use interrupt::Interrupt;
-pub use jumps::{Comparison, Decision, Jumps, KinkShift, Reset, WithJumps};
+pub use jumps::{Comparison, Jumps, WithJumps};
+pub(crate) use jumps::{KinkShift, Reset};
 use kinds::{AtRunTime, OneContact, OneContactAndJumps, SeveralContacts, SeveralContactsAndJumps};
 pub use memory::RunMemory;
 pub use modes::Modes;
-pub use recorded::{OrbitEvent, Points, RecordedOrbit, Sampling};
+pub use recorded::{OrbitEvent, RecordedOrbit, Sampling};
 pub(crate) use run::observed;
 use section::NoSection;
 pub use typed::Typed;
@@ -177,12 +179,17 @@ pub enum Section {
         /// Direction of a passage.
         direction: Direction,
     },
-    /// A strobe at every whole period.
-    Strobe(Strobe),
+    /// A strobe: the times `first`, `first + period`, `first + 2 period`, ….
+    Strobe {
+        /// Time of a flash.
+        first: f64,
+        /// Time between two flashes.
+        period: f64,
+    },
     /// The maxima of the first state, where its rate falls through zero.
-    Turning,
+    MaximaOfFirstState,
     /// An event function with which the dynamics was constructed, by its number.
-    Own(usize),
+    OfSystem(usize),
 }
 
 /// Needs of a listener of many orbits at every step.
@@ -202,7 +209,7 @@ pub struct Guard {
     /// The contact to which it belongs; for a jump, its number counted after those of the contacts.
     pub contact: usize,
     /// Whether the mode continues after its zero, as where contact is lost.
-    pub goes_on: bool,
+    pub continues_phase: bool,
     /// Whether the state jumps at its zero.
     pub is_of_jump: bool,
     /// Whether a zero within a phase tells that the phase ends there. The function of a jump that
@@ -220,7 +227,7 @@ pub struct Guard {
 ///
 /// Only the library's own types implement it: typed systems by [`AsDynamics`], and systems known at
 /// run time by [`Typed::padded`].
-pub trait Dynamics: Send + Sync {
+pub trait Dynamics: EventMaps + Send + Sync {
     /// Number of states.
     fn states(&self) -> usize;
 
@@ -259,9 +266,10 @@ pub trait Dynamics: Send + Sync {
     /// listener. Items of one orbit come in order, between those of others. An orbit is at an end
     /// when the listener breaks. Returns the error of each orbit that cannot begin.
     ///
-    /// With [`Method::Taylor`], orbits of a system from formulas are computed side by side in
-    /// vectors. Each is bit-for-bit the same as alone. The solution over a step is available to the
-    /// listener where `watching` asks for solutions or has sections; without it, steps are faster.
+    /// With [`crate::Method::Taylor`], orbits of a system from formulas are computed side by side
+    /// in vectors. Each is bit-for-bit the same as alone. The solution over a step is available to
+    /// the listener where `watching` asks for solutions or has sections. Without it, steps are
+    /// faster.
     fn follow_all(
         &self,
         starts: &[Moment],
@@ -271,96 +279,17 @@ pub trait Dynamics: Send + Sync {
         listener: &mut Listener<'_>,
     ) -> Vec<Result<(), Error>>;
 
-    /// Begins an orbit that stays in a mode to its end regardless of the guards, with contact lost
-    /// or kept as at `inside`.
-    ///
-    /// # Errors
-    /// Those of [`crate::Integration::new`].
-    fn begin_in<'a>(
-        &'a self,
-        mode: (Modes, &Moment),
-        start: &Moment,
-        t_end: f64,
-        options: &Options,
-    ) -> Result<Box<dyn OrbitUnderWay + 'a>, Error>;
-
     /// The smooth flow of a mode, with contact lost or kept as at a moment.
     fn flow<'a>(&'a self, mode: Modes, at: &Moment) -> Box<dyn SmoothFlow + 'a> {
         self.flow_held(mode, at, at.t)
     }
 
-    /// The smooth flow of a mode, with the values that inputs hold from the time `held` on.
-    fn flow_held<'a>(&'a self, mode: Modes, at: &Moment, held: f64) -> Box<dyn SmoothFlow + 'a>;
-
-    /// The contacts that stick in a mode, with the gradients of their boundary functions.
-    fn normals(&self, mode: Modes, at: &Moment) -> Vec<(usize, Vector)>;
-
-    /// The functions that the motion keeps besides those of contacts that stick: the gaps of stops
-    /// that carry, and their rates. What each is off, with its gradient.
-    fn kept(&self, at: &Moment) -> Vec<(f64, Vector)>;
-
-    /// The numbers of the jumps that put a state on the stops that carry there.
-    fn landings(&self, at: &Moment) -> Vec<usize>;
-
-    /// The guard whose zero a transition is, where the field jumps there.
-    fn discontinuity_guard(&self, at: &Transition) -> Option<usize>;
-
-    /// Whether no second contact comes to zero in the same instant.
-    fn is_one_at_a_time(&self, at: &Transition) -> bool;
-
-    /// The period of the drive with its gradient in the state, where it depends on that.
-    fn period(&self, x: &Vector) -> Option<(f64, Vector)>;
-
     /// Whether a component of the state takes discrete values, which jumps set.
     fn is_discrete(&self, state: usize) -> bool;
-
-    /// Whether jumps alone change a component of the state.
-    fn is_constant_between_jumps(&self, state: usize) -> bool;
-
-    /// The first input that kinks at a moment, if one does.
-    fn kink(&self, at: &Moment) -> Option<usize> {
-        self.kinks(at).first().copied()
-    }
-
-    /// The inputs that kink at a moment.
-    fn kinks(&self, at: &Moment) -> Vec<usize>;
-
-    /// The effect of kinks of inputs at the end of a step on tangent vectors; none where no clock
-    /// depends on the state.
-    fn kink_shifts(&self, step: &Step) -> Vec<KinkShift>;
-
-    /// The clock that decides when an input kinks: value, gradient in the state, time derivative.
-    fn clock(&self, input: usize, at: &Moment) -> (f64, Vector, f64);
-
-    /// The effect of a jump at a moment before it. Its number is counted after those of the
-    /// contacts, as in its transitions.
-    fn reset(&self, number: usize, at: &Moment) -> Reset {
-        self.reset_held(number, at, at.t)
-    }
-
-    /// The effect of a jump, with the values that inputs hold from the time `held` on.
-    fn reset_held(&self, number: usize, at: &Moment, held: f64) -> Reset;
-
-    /// The effect of a jump at a moment, whether or not its condition holds there.
-    fn map(&self, number: usize, at: &Moment) -> Reset;
-
-    /// What decides about a jump at a moment. Its number is counted after those of the contacts.
-    fn decision(&self, number: usize, at: &Moment) -> Decision;
 
     /// The moment that stops admit next to one of an orbit at another parameter: on the stops that
     /// carry, and in front of the others.
     fn admitted(&self, at: &Moment) -> Moment;
-
-    /// The state with all stops open. A run from there decides anew which of them carry, as is
-    /// needed where a state is moved by hand.
-    fn opened(&self, x: Vector) -> Vector;
-
-    /// The jump that follows where occurrences of a jump accumulate, such as the landing of a stop
-    /// for its impact. Both numbers are counted after those of the contacts.
-    fn rest_after(&self, number: usize) -> Option<usize>;
-
-    /// Gradient of a section's function in the state, and its time derivative.
-    fn section_gradient(&self, section: &Section, at: &Moment) -> (Vector, f64);
 }
 
 impl dyn Dynamics + '_ {
@@ -436,31 +365,10 @@ impl dyn OrbitUnderWay + '_ {
     }
 }
 
-/// Settings for carrying tangent vectors over a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Carrying {
-    /// Method of the run.
-    pub method: Method,
-    /// Target error in a step, relative to the vector's size.
-    pub tolerance: f64,
-}
-
 /// The smooth flow of one mode, and the guards that end it.
-pub trait SmoothFlow {
-    /// Number of components that move, the first ones. Corrections move no others.
-    fn moving(&self) -> usize;
-
+pub trait SmoothFlow: TangentFlow {
     /// The velocity at a moment.
     fn velocity(&self, at: &Moment) -> Vector;
-
-    /// The derivative of the velocity along a vector of the state space, at a fixed time.
-    fn derivative(&self, at: &Moment, along: &Vector) -> Vector;
-
-    /// The divergence of the velocity, the trace of its derivative.
-    fn divergence(&self, at: &Moment) -> f64;
-
-    /// The state, corrected for the rounding that displaces it from the invariant set of the flow.
-    fn settled(&self, at: &Moment) -> Vector;
 
     /// The guards of the mode.
     fn guards(&self) -> Vec<Guard>;
@@ -468,28 +376,8 @@ pub trait SmoothFlow {
     /// The value of a guard.
     fn guard(&self, number: usize, at: &Moment) -> f64;
 
-    /// Gradient of a guard in the state, and its time derivative.
-    fn guard_gradient(&self, number: usize, at: &Moment) -> (Vector, f64);
-
     /// Value and first three time derivatives of a guard along the flow.
     fn guard_jet(&self, number: usize, at: &Moment) -> [f64; 4];
-
-    /// Tangent vectors at the end of a step, from those at its start. Each has the bits that it has
-    /// alone; together they share the values of the field.
-    fn carried(&self, step: &Step, vectors: &[Vector], how: Carrying) -> Vec<Vector>;
-
-    /// Whether all guards are certain to stay positive over intervals of times and states.
-    #[doc(hidden)]
-    fn is_clear(&self, t: Interval, x: &[Interval]) -> bool;
-
-    /// Bounds of the velocity over intervals of times and states; `None` where a contact sticks, or
-    /// where the intervals do not decide a branch of the field.
-    #[doc(hidden)]
-    fn velocity_over(&self, t: Interval, x: &[Interval]) -> Option<Vec<Interval>>;
-
-    /// Bounds of the velocity's derivative by one component of the state; `None` as before.
-    #[doc(hidden)]
-    fn derivative_over(&self, t: Interval, x: &[Interval], by: usize) -> Option<Vec<Interval>>;
 }
 
 /// An owned or borrowed dynamics.

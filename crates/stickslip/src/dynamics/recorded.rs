@@ -24,7 +24,7 @@ pub enum Sampling {
 
 /// Rows of a time and the state at that time, in order of time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Points {
+struct Points {
     states: usize,
     flat: Vec<f64>,
 }
@@ -40,26 +40,14 @@ impl Points {
         self.flat.extend(x);
     }
 
-    /// Number of points.
-    pub fn len(&self) -> usize {
+    fn len(&self) -> usize {
         self.flat.len() / (1 + self.states)
     }
 
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.flat.is_empty()
-    }
-
-    /// The points from one on, each as its time and its state.
-    pub fn from(&self, first: usize) -> impl DoubleEndedIterator<Item = (f64, &[f64])> + Clone {
+    fn from(&self, first: usize) -> impl DoubleEndedIterator<Item = (f64, &[f64])> + Clone {
         let width = 1 + self.states;
         let rows = self.flat[self.flat.len().min(first * width)..].chunks_exact(width);
         rows.map(|row| (row[0], &row[1..]))
-    }
-
-    /// All points, each as its time and its state.
-    pub fn iter(&self) -> impl DoubleEndedIterator<Item = (f64, &[f64])> + Clone {
-        self.from(0)
     }
 
     fn truncate(&mut self, count: usize) {
@@ -143,11 +131,10 @@ pub struct RecordedOrbit {
     pub events: Vec<OrbitEvent>,
     /// Passages of sections in order of time.
     pub passages: Vec<Passage>,
-    /// States at the times of [`Sampling`].
-    pub points: Points,
     /// The steps with the solution over each, if they are kept.
     pub steps: Vec<(Step, Solution)>,
     sampling: Sampling,
+    points: Points,
     /// Number of given times that are reached.
     reached: usize,
     keeps_steps: bool,
@@ -163,9 +150,9 @@ impl RecordedOrbit {
             phases: Vec::new(),
             events: Vec::new(),
             passages: Vec::new(),
-            points: Points::new(start.x.len()),
             steps: Vec::new(),
             sampling,
+            points: Points::new(start.x.len()),
             reached: 0,
             keeps_steps,
         };
@@ -208,9 +195,9 @@ impl RecordedOrbit {
     /// let system = Belt.dynamics();
     /// let (orbit, ended) =
     ///     RecordedOrbit::solve(&*system, &start, 5.0, &Options::tol(1e-9), &[], sampling)?;
-    /// assert_eq!(orbit.points.len(), 3);
+    /// assert_eq!(orbit.points().count(), 3);
     /// assert_eq!(ended?.t, 5.0);
-    /// let (_, middle) = orbit.points.from(1).next().unwrap();
+    /// let (_, middle) = orbit.points().nth(1).unwrap();
     /// assert_eq!(orbit.at(2.5)?.as_slice(), middle);
     /// # Ok::<(), stickslip::Error>(())
     /// ```
@@ -314,9 +301,9 @@ impl RecordedOrbit {
     pub fn cut(&mut self, at: &Moment) {
         self.events.retain(|event| event.t() <= at.t);
         self.passages.retain(|one| one.t <= at.t);
-        let kept = self.points.iter().take_while(|(t, _)| *t <= at.t).count();
+        let kept = self.points().take_while(|(t, _)| *t <= at.t).count();
         self.points.truncate(kept);
-        let last = self.points.iter().next_back();
+        let last = self.points().next_back();
         if self.sampling == Sampling::Steps && last.is_none_or(|(t, _)| t < at.t) {
             self.points.push(at.t, &at.x);
         }
@@ -327,6 +314,24 @@ impl RecordedOrbit {
             (phase.t_end, phase.x_end) = (at.t, at.x.clone());
         }
         self.end = at.clone();
+    }
+
+    /// Number of states at the times of [`Sampling`].
+    pub fn point_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// The states at the times of [`Sampling`], each with its time, in order of time.
+    pub fn points(&self) -> impl DoubleEndedIterator<Item = (f64, &[f64])> + Clone {
+        self.points_from(0)
+    }
+
+    /// [`RecordedOrbit::points`] from one on.
+    pub fn points_from(
+        &self,
+        first: usize,
+    ) -> impl DoubleEndedIterator<Item = (f64, &[f64])> + Clone {
+        self.points.from(first)
     }
 
     /// The transitions in order of time.

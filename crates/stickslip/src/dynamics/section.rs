@@ -40,9 +40,12 @@ where
                 normal: self.state(normal.as_slice()),
                 direction: *direction,
             }),
-            Section::Strobe(strobe) => FunctionKind::Strobe(*strobe),
-            Section::Turning => FunctionKind::Turning,
-            Section::Own(number) => FunctionKind::Own(*number),
+            Section::Strobe { first, period } => FunctionKind::Strobe(Strobe {
+                first: *first,
+                period: *period,
+            }),
+            Section::MaximaOfFirstState => FunctionKind::Turning,
+            Section::OfSystem(number) => FunctionKind::Own(*number),
         };
         self.functions(sections.iter().map(kind).collect())
     }

@@ -6,9 +6,10 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::batch::{BatchOrbit, Listener, one_by_one};
+use super::event_maps::EventMaps;
 use super::flow::TypedFlow;
 use super::interrupt::Interrupt;
-use super::jumps::{Decision, Jumps, NoJumps, Reset};
+use super::jumps::{JumpDecision, Jumps, NoJumps, Reset};
 use super::section::NoSection;
 use super::view::View;
 use super::{
@@ -166,6 +167,28 @@ where
         side_by_side(starts, begin, options)
     }
 
+    fn is_discrete(&self, state: usize) -> bool {
+        self.view().jumps.is_discrete(state)
+    }
+
+    fn admitted(&self, at: &Moment) -> Moment {
+        let of = self.view();
+        let Timed { t, x } = of.admitted(of.timed(at));
+        Moment {
+            t,
+            x: of.vector(&x),
+        }
+    }
+}
+
+impl<T, S, V, U, J, const N: usize, const G: usize> EventMaps for Typed<T, S, V, U, J, N, G>
+where
+    T: Borrow<S> + Send + Sync,
+    S: Switched<N, G>,
+    V: EventFunctions<N> + Send + Sync,
+    U: Borrow<J> + Send + Sync,
+    J: Jumps<N>,
+{
     fn begin_in<'a>(
         &'a self,
         mode: (Modes, &Moment),
@@ -234,10 +257,6 @@ where
         let by_state = |_, x: &_| period(x).unwrap_or(Dual::new(0.0, 0.0));
         let (gradient, _) = of.gradient(by_state, &Timed { t, x });
         Some((value, of.vector(&gradient)))
-    }
-
-    fn is_discrete(&self, state: usize) -> bool {
-        self.view().jumps.is_discrete(state)
     }
 
     fn is_constant_between_jumps(&self, state: usize) -> bool {
@@ -319,22 +338,13 @@ where
         self.view().map(number, at)
     }
 
-    fn decision(&self, number: usize, at: &Moment) -> Decision {
+    fn decision(&self, number: usize, at: &Moment) -> JumpDecision {
         let of = self.view();
         let (jump, Timed { t, x }) = (number - self.contacts, of.timed(at));
         let x = components(&x);
-        Decision {
+        JumpDecision {
             happens: of.jumps.happens(jump, t, x),
             comparisons: of.jumps.comparisons(jump, t, x),
-        }
-    }
-
-    fn admitted(&self, at: &Moment) -> Moment {
-        let of = self.view();
-        let Timed { t, x } = of.admitted(of.timed(at));
-        Moment {
-            t,
-            x: of.vector(&x),
         }
     }
 
@@ -376,5 +386,5 @@ where
         interrupt: None,
         held: None,
     };
-    view.begin(start, f64::MAX, options, &[Section::Own(0)])
+    view.begin(start, f64::MAX, options, &[Section::OfSystem(0)])
 }

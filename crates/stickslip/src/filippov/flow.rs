@@ -13,7 +13,7 @@ use crate::taylor::sweep::CoefficientRows;
 /// component of the field relative to a moving Σ, and the first Lie derivative where `f` is a field
 /// of the system.
 #[inline(always)]
-pub fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
+pub(crate) fn normal_component<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     t: T,
     x: &[T; N],

@@ -37,7 +37,6 @@ pub(crate) use batch::{BatchMember, side_by_side};
 pub use contacts::{Contacts, Several};
 pub(crate) use ensemble::{ORBITS_AT_ONCE, task_size};
 pub use ensemble::{Start, ensemble};
-pub use flow::normal_component;
 pub(crate) use flow::{Flow, gradient, seeded};
 pub use integration::{Integration, Progress};
 pub(crate) use memory::StepMemory;
@@ -50,10 +49,9 @@ pub use rules::{Fate, Visibility, fate};
 pub(crate) use run::TIME_ROUNDING;
 pub use scan::first_zero;
 pub use sections::{
-    Direction, EventFunctions, EventOf, EventRecord, EventSearch, OrbitWithEvents, Plane, Strobe,
-    solve_with_events,
+    Direction, EventFunctions, EventOf, EventRecord, EventSearch, solve_with_events,
 };
-pub(crate) use sections::{SearchMemory, TOLERATED};
+pub(crate) use sections::{Plane, SearchMemory, Strobe, TOLERATED};
 pub(crate) use solve::notify;
 pub use solve::{Failure, run, solve};
 pub(crate) use stepper::Stepper;

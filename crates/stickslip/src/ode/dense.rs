@@ -1,7 +1,7 @@
 //! Dense output: the solution inside a step as a polynomial.
 
 use super::linear::{Linear, Timed};
-use super::step::{Stages, weigh};
+use super::step::{Stages, dense_slopes, stages, weigh};
 use super::tableau::RungeKutta;
 use crate::interval::Interval;
 use crate::system::State;
@@ -34,10 +34,27 @@ enum DensePolynomial<const N: usize> {
 }
 
 impl<const N: usize> Dense<N> {
-    /// The polynomial of a finished step of length `h` from `(t0, x0)`. [`super::dense_slopes`]
-    /// must have filled in its slopes.
+    /// The polynomial of one step of method `M` from `(t0, x0)` over `h`, for rare steps.
+    pub fn over_step<M: RungeKutta>(
+        field: &mut dyn FnMut(f64, &State<N>) -> State<N>,
+        (t0, x0): (f64, &State<N>),
+        h: f64,
+    ) -> Self {
+        let field = &mut |t: f64, x: &State<N>| field(t, x);
+        let slope = field(t0, x0);
+        let mut step = stages::<M, f64, _>(field, t0, x0, slope, h);
+        dense_slopes::<M, f64, _>(field, t0, x0, h, &mut step);
+        Dense::new::<M>(t0, x0, h, &step)
+    }
+
+    /// The polynomial of a finished step of length `h` from `(t0, x0)`, with all slopes filled in.
     #[inline(always)]
-    pub fn new<M: RungeKutta>(t0: f64, x0: &State<N>, h: f64, step: &Stages<State<N>>) -> Self {
+    pub(crate) fn new<M: RungeKutta>(
+        t0: f64,
+        x0: &State<N>,
+        h: f64,
+        step: &Stages<State<N>>,
+    ) -> Self {
         let zero = <State<N> as Linear<f64>>::zero();
         let mut c = [zero; 4];
         let slope_at_end = &step.k[M::COEFFICIENTS.stages];

@@ -8,12 +8,12 @@ use crate::system::State;
 
 /// The slopes of one step and the state at its end.
 #[derive(Clone, Copy, Debug)]
-pub struct Stages<V> {
+pub(crate) struct Stages<V> {
     /// Slopes. Slot `stages` (the slope at the end) and the slots after it are filled by
     /// [`dense_slopes`].
-    pub k: [V; MAX_STAGES],
+    pub(crate) k: [V; MAX_STAGES],
     /// State at the end of the step.
-    pub end: V,
+    pub(crate) end: V,
 }
 
 impl<const N: usize> Stages<State<N>> {
@@ -78,7 +78,7 @@ pub(crate) use for_each_stage;
 /// The newest slope is added last in every stage. All other terms are ready before it, so the chain
 /// of dependent operations is hardly longer than the calls of `f`.
 #[inline(always)]
-pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
+pub(crate) fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
     t: T,
     x: &V,
@@ -103,10 +103,10 @@ pub fn stages<M: RungeKutta, T: Scalar, V: Linear<T>>(
     }
 }
 
-/// The end of such a step, for rare steps. It takes the field as a dynamic call and is compiled
-/// once.
+/// State at the end of one step of method `M` from `(t, x)` with slope `k0 = f(t, x)` over `h`.
+/// Calls `f` `stages − 1` times, as a dynamic call: such steps are rare, and compiled once.
 #[inline(never)]
-pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
+pub fn step_end<M: RungeKutta, V: Linear<f64>>(
     f: &mut dyn FnMut(f64, &V) -> V,
     t: f64,
     x: &V,
@@ -118,7 +118,7 @@ pub(crate) fn step_end<M: RungeKutta, V: Linear<f64>>(
 
 /// Fills in the slope at the end of the step and the further slopes of the dense output.
 #[inline(always)]
-pub fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
+pub(crate) fn dense_slopes<M: RungeKutta, T: Scalar, V: Linear<T>>(
     f: &mut impl FnMut(T, &V) -> V,
     t: T,
     x: &V,

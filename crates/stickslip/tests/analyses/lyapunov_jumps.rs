@@ -1,8 +1,6 @@
 //! Spectra of systems whose jumps set several states to constants.
 
-use stickslip::analysis::{
-    Exponent, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
-};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions, lyapunov_spectrum};
 use stickslip::{Error, Options, math};
 use stickslip_model::file::{Interface, Source, System, SystemFile};
 
@@ -20,7 +18,7 @@ fn spectrum(text: &str, start: &[f64], transient: f64) -> Spectrum {
     let system = system(text);
     let settings = SpectrumOptions::over(transient, 20.0).solver(Options::tol(1e-12));
     let found = lyapunov_spectrum(system.dynamics(), (0.0, start), &settings).unwrap();
-    let alone = largest_exponent(system.dynamics(), (0.0, start), &settings).unwrap();
+    let alone = Exponent::largest(system.dynamics(), (0.0, start), &settings).unwrap();
     assert!(
         alone == found.exponents[0] || (alone.value() - found.exponents[0].value()).abs() < 1e-12,
         "{alone:?} {found:?}"
@@ -129,7 +127,7 @@ fn an_orbit_that_a_jump_stops_is_measured_up_to_the_stop() {
             matches!(refused, Err(Error::Stopped { t: 0.0, .. })),
             "{refused:?}"
         );
-        let largest = largest_exponent(system.dynamics(), (0.0, [0.0, 1.0]), &settings);
+        let largest = Exponent::largest(system.dynamics(), (0.0, [0.0, 1.0]), &settings);
         assert!(matches!(largest, Err(Error::Stopped { .. })), "{largest:?}");
     }
 }

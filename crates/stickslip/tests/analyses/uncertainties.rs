@@ -1,8 +1,6 @@
 //! Exponents with their uncertainties: equal ones, and measurements that end early.
 
-use stickslip::analysis::{
-    Exponent, Spectrum, SpectrumOptions, largest_exponent, lyapunov_spectrum,
-};
+use stickslip::analysis::{Exponent, Spectrum, SpectrumOptions, lyapunov_spectrum};
 use stickslip::{Error, Options, math};
 
 use crate::lyapunov_jumps::system;
@@ -122,7 +120,7 @@ fn a_measurement_that_ends_early_keeps_what_was_measured() {
         assert!((least * end..end).contains(&found.duration), "{found:?}");
         assert!((found.exponents[0].value() - 0.1).abs() < 1e-6, "{found:?}");
         // The largest exponent alone is a number, which could not say so.
-        let alone = largest_exponent(system.dynamics(), start, &settings);
+        let alone = Exponent::largest(system.dynamics(), start, &settings);
         assert!(matches!(alone, Err(Error::Escaped { .. })));
         assert_ne!(found.exponents[0], Exponent::Annihilated);
     }

@@ -1,7 +1,7 @@
 //! Several contacts with jumps, from functions in Rust.
 
 use approx::assert_relative_eq;
-use stickslip::analysis::monodromy;
+use stickslip::analysis::Monodromy;
 use stickslip::dynamics::{AsDynamics, Jumps, Moment, OrbitEvent, RecordedOrbit, Sampling};
 use stickslip::dynamics::{Vector, WithJumps};
 use stickslip::{
@@ -76,7 +76,7 @@ fn a_block_comes_back_from_a_wall_and_sticks() {
         let end = Vector::from_column_slice(&[0.75, 1.0, 0.0, 0.0]);
         assert_relative_eq!(orbit.end.x, end, epsilon = 1e-11);
 
-        let map = monodromy(&blocks, 0.0, &start.x, 3.0, &options).expect("a derivative");
+        let map = Monodromy::of(&blocks, 0.0, &start.x, 3.0, &options).expect("a derivative");
         let known = [-0.25, 0.0, -0.5, 0.0, 0.0, 1.0, 0.0, 2.0];
         for (column, known) in known.iter().enumerate() {
             let (row, column) = (column / 4, column % 4);

@@ -1,8 +1,6 @@
 //! Tangent vectors with several contacts.
 
-use stickslip::analysis::{
-    Exponent, SpectrumOptions, lyapunov_spectrum, monodromy, periodic_orbit_forced,
-};
+use stickslip::analysis::{Exponent, Monodromy, PeriodicOrbit, SpectrumOptions, lyapunov_spectrum};
 use stickslip::dynamics::Matrix;
 use stickslip::{Error, IntoState, Mode, Options, Several, State, solve};
 
@@ -14,7 +12,7 @@ use super::rig::Rig;
 fn agrees_with_differences(rig: &Rig<3>, start: [f64; 6], t_end: f64) -> (Matrix, Vec<[Mode; 3]>) {
     let options = Options::tol(1e-13);
     let system = Several(rig);
-    let found = monodromy(&system, 0.0, start, t_end, &options).unwrap();
+    let found = Monodromy::of(&system, 0.0, start, t_end, &options).unwrap();
     let end = |j: usize, by: f64| {
         let mut x = State::from(start);
         x[j] += by;
@@ -98,7 +96,7 @@ fn two_contacts_that_come_to_rest_in_the_same_instant_have_no_derivative() {
     (rig.forcing, rig.stiffness[1][1]) = ([0.0; 3], rig.stiffness[0][0]);
     rig.friction[1] = rig.friction[0];
     let start = [2.0, 2.0, -1.5, 0.0, 0.0, 0.0];
-    let error = monodromy(&Several(&rig), 0.0, start, 15.0, &Options::tol(1e-12)).unwrap_err();
+    let error = Monodromy::of(&Several(&rig), 0.0, start, 15.0, &Options::tol(1e-12)).unwrap_err();
     assert!(matches!(error, Error::TangentSingular { .. }), "{error}");
 }
 
@@ -108,7 +106,7 @@ fn two_contacts_that_give_way_in_the_same_instant_have_no_derivative() {
     // the first one.
     let mut rig = Rig::<3>::at_rest();
     (rig.pull, rig.ratio) = ([1.0, 1.0, 0.0], 1.5);
-    let run = |rig: &Rig<3>| monodromy(&Several(rig), 0.0, [0.0; 6], 3.0, &Options::tol(1e-12));
+    let run = |rig: &Rig<3>| Monodromy::of(&Several(rig), 0.0, [0.0; 6], 3.0, &Options::tol(1e-12));
     let error = run(&rig).unwrap_err();
     assert!(matches!(error, Error::TangentSingular { .. }), "{error}");
     // One after the other they have a derivative.
@@ -130,7 +128,7 @@ fn a_forced_orbit_of_three_blocks_is_found_by_shooting() {
     let options = Options::tol(1e-12);
     let settled = solve(&Several(&rig), 0.0, [0.0; 6], 40.0 * period, &options).unwrap();
     let found =
-        periodic_orbit_forced(&Several(&rig), 0.0, settled.x_end, period, &options).unwrap();
+        PeriodicOrbit::near_forced(&Several(&rig), 0.0, settled.x_end, period, &options).unwrap();
     let again = solve(&Several(&rig), 0.0, &found.x, period, &options).unwrap();
     let found: State<6> = found.x.into_state();
     assert!((again.x_end - found).amax() < 1e-9);

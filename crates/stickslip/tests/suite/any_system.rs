@@ -4,9 +4,7 @@
 
 use stickslip::analysis::{Monodromy, PeriodicOrbit, Spectrum, SpectrumOptions};
 use stickslip::dynamics::Components;
-use stickslip::{
-    Error, Failure, IntoState, Observer, Options, Orbit, OrbitWithEvents, Summary, analysis,
-};
+use stickslip::{Error, Failure, IntoState, Observer, Options, Orbit, Summary, analysis};
 
 use crate::blocks::{Block, Bracket};
 use crate::compiled::{Compiled, traced};
@@ -125,7 +123,7 @@ pub fn solve_with_events<S: Compiled<N>, const N: usize, const E: usize>(
     x0: impl IntoState<N>,
     t_end: f64,
     options: &Options,
-) -> Result<OrbitWithEvents<N>, Failure<OrbitWithEvents<N>>> {
+) -> Result<Orbit<N>, Failure<Orbit<N>>> {
     stickslip::solve_with_events(&system.any(), events, t0, x0.into_state(), t_end, options)
 }
 
@@ -147,7 +145,7 @@ pub fn monodromy<S: Compiled<N>, const N: usize>(
     t_end: f64,
     options: &Options,
 ) -> Result<Monodromy, Error> {
-    analysis::monodromy(&system.dynamics(), t0, x0, t_end, options)
+    analysis::Monodromy::of(&system.dynamics(), t0, x0, t_end, options)
 }
 
 pub fn periodic_orbit<S: Compiled<N>, const N: usize>(
@@ -156,7 +154,7 @@ pub fn periodic_orbit<S: Compiled<N>, const N: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::periodic_orbit(&system.dynamics(), x, period, options)
+    analysis::PeriodicOrbit::near(&system.dynamics(), x, period, options)
 }
 
 pub fn find_periodic_orbit<S: Compiled<N>, const N: usize>(
@@ -166,7 +164,7 @@ pub fn find_periodic_orbit<S: Compiled<N>, const N: usize>(
     longest: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::find_periodic_orbit(&system.dynamics(), x0, transient, longest, options)
+    analysis::PeriodicOrbit::approached(&system.dynamics(), x0, transient, longest, options)
 }
 
 pub fn periodic_orbit_forced<S: Compiled<N>, const N: usize>(
@@ -176,7 +174,7 @@ pub fn periodic_orbit_forced<S: Compiled<N>, const N: usize>(
     period: f64,
     options: &Options,
 ) -> Result<PeriodicOrbit, Error> {
-    analysis::periodic_orbit_forced(&system.dynamics(), t, x, period, options)
+    analysis::PeriodicOrbit::near_forced(&system.dynamics(), t, x, period, options)
 }
 
 pub fn lyapunov_spectrum<S: Compiled<N>, const N: usize>(
@@ -193,5 +191,5 @@ pub fn lyapunov_spectrum_watched<S: Compiled<N>, const N: usize>(
     settings: &SpectrumOptions,
     watcher: &mut impl Observer<N>,
 ) -> Result<Spectrum, Error> {
-    analysis::lyapunov_spectrum_watched(&system.any(), start, settings, watcher)
+    analysis::Spectrum::watched(&system.any(), start, settings, watcher)
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, Stop, Variable, continue_periodic_orbit, orbit_derivatives,
+    ContinuationSettings, OrbitDerivatives, Stop, Variable, continue_periodic_orbit,
 };
 use stickslip::dynamics::{AsDynamics, DynamicsRef, Moment, OrbitProgress, Vector};
 use stickslip::{Error, Family, Method, Options, Scalar, Side, math, run};
@@ -134,7 +134,8 @@ fn derivatives_by_a_free_constant_are_those_of_differences() {
     let along = Driven.at([0.7, 0.2]).free([0]).unwrap();
     let (by, times) = ([Variable::Start(2)], [end]);
     let start = [0.1, 0.5, 0.7];
-    let found = orbit_derivatives(&along, 0.0, start, end, (&by, &times), &[], &options).unwrap();
+    let found =
+        OrbitDerivatives::of(&along, 0.0, start, end, (&by, &times), &[], &options).unwrap();
     let difference = (at(0.7 + 1e-5) - at(0.7 - 1e-5)) / 2e-5;
     for (i, slope) in difference.iter().enumerate() {
         assert!((found.states[0][(i, 0)] - slope).abs() < 1e-8);

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use nalgebra::Matrix4;
-use stickslip::analysis::{multipliers, with_shortest_period};
+use stickslip::analysis::multipliers;
 use stickslip::dynamics::Matrix;
 use stickslip::{Error, Method, Options, State, math};
 
@@ -147,7 +147,7 @@ fn an_orbit_over_several_periods_of_the_drive_has_one() {
             periodic_orbit_forced(&system, 0.0, settled.x, period, &options).unwrap()
         };
         let by_drive =
-            |drive| with_shortest_period(&system.dynamics(), orbit(), Some(drive), &options);
+            |drive| orbit().with_shortest_period(&system.dynamics(), Some(drive), &options);
         let shortest = by_drive(period).unwrap();
         assert!(
             (shortest.period - period).abs() < 1e-12,

@@ -1,6 +1,6 @@
 //! Fields that are a root of the distance from their boundary, against closed forms.
 
-use stickslip::analysis::{Variable, orbit_derivatives};
+use stickslip::analysis::{OrbitDerivatives, Variable};
 use stickslip::{
     AtPileUp, Contacts, Error, Filippov, Method, Options, Scalar, Several, Side, TransitionKind,
     math, solve,
@@ -223,7 +223,7 @@ fn a_start_where_the_field_has_no_series_is_left() {
         }
         // The start has no derivative of the flow: never a number.
         let (by, times) = ([Variable::Start(0)], [1.0]);
-        let found = orbit_derivatives(
+        let found = OrbitDerivatives::of(
             &Tank,
             0.0,
             [0.0],

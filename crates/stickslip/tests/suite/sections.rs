@@ -6,10 +6,10 @@ use std::f64::consts::PI;
 use numerics::SplitMix;
 use stickslip::Direction::{Both, Falling, Rising};
 use stickslip::analysis::{PoincareMap, multipliers};
-use stickslip::dynamics::{Matrix, Vector};
+use stickslip::dynamics::{Matrix, Section, Vector};
 use stickslip::{
-    Direction, Ending, Error, EventFunctions, EventRecord, IntoState, Method, Mode, Options, Plane,
-    Scalar, Side, State, StepRecord, math,
+    Direction, Ending, Error, EventFunctions, EventRecord, Method, Mode, Options, Orbit, Scalar,
+    Side, State, StepRecord, math,
 };
 
 use crate::any_system::{monodromy, periodic_orbit, solve, solve_with_events};
@@ -131,7 +131,8 @@ fn a_level_is_passed_when_the_circles_say() {
         }
         // Watching does not change the run.
         let alone = solve(&Floor, 0.0, START, 20.0, &options).unwrap();
-        assert_eq!(found.orbit, alone);
+        let events = found.events.clone();
+        assert_eq!(found, Orbit { events, ..alone });
     }
 }
 
@@ -166,7 +167,7 @@ fn a_terminal_event_ends_the_run_there() {
         assert_eq!(reported, [0, 1]);
         let last = found.events[1];
         assert!((last.t - passes_one()[1].0).abs() < allowed);
-        let orbit = &found.orbit;
+        let orbit = &found;
         assert_eq!(orbit.ending, Ending::Stopped);
         assert_eq!((orbit.t_end, orbit.x_end), (last.t, last.x));
         let phase = orbit.phases.last().unwrap();
@@ -196,7 +197,7 @@ fn many_zeros_in_one_step_are_reported_in_order() {
             let is_in = |event: &&EventRecord<2>| (step.t_start..step.t_end).contains(&event.t);
             found.events.iter().filter(is_in).count()
         };
-        let most = found.orbit.steps.iter().map(within).max().unwrap();
+        let most = found.steps.iter().map(within).max().unwrap();
         assert!(most > 3, "{most}");
         let mut times = [Vec::new(), Vec::new()];
         for event in &found.events {
@@ -306,11 +307,11 @@ fn a_zero_at_the_very_end_of_a_phase_is_reported_once_before_it() {
         let turns = watch(Function::Level(1, 0.0), Both);
         let found = solve_with_events(&Floor, &turns, 0.0, START, 20.0, &options).unwrap();
         let reported: Vec<_> = found.events.iter().map(|e| (e.t, e.direction)).collect();
-        let ends: Vec<_> = found.orbit.transitions.iter().map(|at| at.t).collect();
+        let ends: Vec<_> = found.transitions.iter().map(|at| at.t).collect();
         assert_eq!(ends.len(), 4);
         let ways = [Rising, Falling, Rising, Falling];
         assert_eq!(reported, ends.into_iter().zip(ways).collect::<Vec<_>>());
-        for (event, phase) in found.events.iter().zip(&found.orbit.phases) {
+        for (event, phase) in found.events.iter().zip(&found.phases) {
             assert_eq!((event.mode, event.x), (phase.mode, phase.x_end));
         }
     }
@@ -337,12 +338,12 @@ fn a_function_that_is_zero_during_stick_passes_at_its_ends() {
                 .step_by(2)
                 .all(|direction| *direction == Falling)
         );
-        for (event, at) in found.events.iter().zip(&found.orbit.transitions) {
+        for (event, at) in found.events.iter().zip(&found.transitions) {
             assert!((event.t - at.t).abs() < 1e-6, "{} {}", event.t, at.t);
         }
         // It leaves with zero rate, so that rounding hides it for a while; it returns with a
         // nonzero rate.
-        for (event, at) in found.events.iter().zip(&found.orbit.transitions).step_by(2) {
+        for (event, at) in found.events.iter().zip(&found.transitions).step_by(2) {
             assert_eq!(event.t, at.t);
         }
     }
@@ -361,7 +362,7 @@ fn no_zero_of_a_function_far_faster_than_the_steps_is_missed() {
         let count = |number| found.events.iter().filter(|at| at.number == number).count();
         assert_eq!(count(0), (600.0 * 20.0 / PI) as usize, "{method:?}");
         let fine = |k: u32| {
-            let x = found.orbit.at(f64::from(k) * 5e-5).unwrap();
+            let x = found.at(f64::from(k) * 5e-5).unwrap();
             math::sin(x[0] * 1000.0 + 0.1) > 0.0
         };
         let changes = (0..400_000).filter(|&k| fine(k) != fine(k + 1)).count();
@@ -448,7 +449,7 @@ fn a_run_that_fails_keeps_the_events_before() {
     assert!(matches!(failure.error, Error::Escaped { .. }), "{failure}");
     let reported: Vec<_> = failure.partial.events.iter().map(|event| event.t).collect();
     assert_eq!(reported.len(), 1);
-    assert!(reported[0] < failure.partial.orbit.t_end);
+    assert!(reported[0] < failure.partial.t_end);
     let failure = solve_with_events(&belt, &place, 0.0, [0.5, 0.9], -1.0, &options).unwrap_err();
     assert!(matches!(failure.error, Error::Interval { .. }), "{failure}");
     assert_eq!(failure.partial.events, []);
@@ -490,12 +491,12 @@ fn the_cycle_with_stick_returns_after_its_period_and_forgets_where_it_was() {
 /// The first return to a plane from a start, and its derivative.
 fn first_return<S: Compiled<2>>(
     system: &S,
-    section: &Plane<2>,
+    section: &Section,
     start: State<2>,
     options: &Options,
 ) -> (Vector, Matrix) {
-    let any = system.any();
-    let mut map = PoincareMap::new(&any, section, (0.0, start), 30.0, options).unwrap();
+    let (any, section) = (system.dynamics(), section.clone());
+    let mut map = PoincareMap::at_run_time(&*any, section, (0.0, start), 30.0, options).unwrap();
     let (first, derivative) = map.step_with_derivative().unwrap();
     (first.x, derivative)
 }
@@ -505,9 +506,10 @@ fn the_derivative_is_that_of_differences() {
     const CHANGE: f64 = 1e-5;
     // Across Σ twice, and across a plane that is not a level of either component.
     let belt = Block::on_belt(1.0);
-    let section = Plane {
-        point: State::from([0.1, 0.0]),
-        normal: State::from([1.0, 0.3]),
+    let normal = Vector::from(vec![1.0, 0.3]);
+    let section = Section::Plane {
+        point: vec![0.1, 0.0].into(),
+        normal: normal.clone(),
         direction: Rising,
     };
     for options in [
@@ -529,7 +531,6 @@ fn the_derivative_is_that_of_differences() {
             assert!(off < 1e-7 * found.amax().max(1.0), "{found} {slope}");
         }
         // The start leads into the section.
-        let normal = Vector::from_column_slice(section.normal.as_slice());
         assert!((normal.transpose() * &found).amax() < 1e-13 * found.amax());
     }
 }
@@ -540,14 +541,14 @@ fn on_a_cycle_it_has_the_cycle_s_multiplier() {
     let options = Options::tol(1e-13);
     let cycle = periodic_orbit(&belt, [-0.27, -0.73], 7.7, &options).unwrap();
     let [_, other]: [_; 2] = multipliers(&cycle.monodromy).try_into().unwrap();
-    let section = Plane {
-        point: cycle.x.clone().into_state(),
-        normal: State::from([1.0, 0.0]),
+    let section = Section::Plane {
+        point: cycle.x.clone(),
+        normal: vec![1.0, 0.0].into(),
         direction: Both,
     };
-    let system = belt.any();
+    let system = belt.dynamics();
     let start = (0.0, &cycle.x);
-    let mut map = PoincareMap::new(&system, &section, start, 20.0, &options).unwrap();
+    let mut map = PoincareMap::at_run_time(&*system, section, start, 20.0, &options).unwrap();
     // The block passes the position once in each direction.
     let (_, half) = map.step_with_derivative().unwrap();
     let (back, rest) = map.step_with_derivative().unwrap();

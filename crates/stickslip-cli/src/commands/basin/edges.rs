@@ -3,7 +3,7 @@
 use plot::{Curve, Markers, Panel, Shape};
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use stickslip::analysis::{EdgeKind, EdgeSettings, EdgeState, edge_state};
+use stickslip::analysis::{EdgeKind, EdgeSettings, EdgeState};
 use stickslip::dynamics::{Moment, Vector};
 use stickslip::error::readable;
 
@@ -70,7 +70,7 @@ pub(super) fn edges(of: &Measured<'_>, report: &mut Report) -> Result<Vec<EdgeSh
     let dynamics = of.system.dynamics();
     let how = EdgeSettings::within(of.settings.longest);
     let row = |((one, from), (other, to)): (&(usize, Vector), &(usize, Vector))| {
-        let state = edge_state(dynamics, from, to, &how, &of.settings, &of.options)?;
+        let state = EdgeState::between(dynamics, from, to, &how, &of.settings, &of.options)?;
         let beyond = of.numbered(&state.beside[1]);
         Ok(EdgeRow {
             between: [*one, *other],

@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use stickslip::Options;
 use stickslip::analysis::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, basin_entropy, carried_on,
-    uncertainty_exponent,
+    Attractor, AttractorKind, Attractors, BasinEntropy, RecurrenceSettings, UncertaintyExponent,
 };
 use stickslip::dynamics::Vector;
 use stickslip_model::file::System;
@@ -176,7 +175,7 @@ pub(super) fn states_of(of: &Measured<'_>) -> Vec<(usize, Vector)> {
     let each = of.attractors.iter().filter_map(|one| {
         let state = match one.reached.kind {
             AttractorKind::Equilibrium => &one.reached.points.first()?.x,
-            _ => carried_on(&one.reached, &of.settings)?,
+            _ => one.reached.next_start(&of.settings)?,
         };
         Some((one.number?, state.clone()))
     });
@@ -189,7 +188,7 @@ fn entropy(
     side: usize,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let found = basin_entropy(reached, shape, side)?;
+    let found = BasinEntropy::of(reached, shape, side)?;
     let boundary = found.boundary_entropy.map(|entropy| {
         let error = found.boundary_entropy_error.unwrap_or(f64::INFINITY);
         let fractal = match found.shows_fractal() {
@@ -225,7 +224,7 @@ fn entropy(
 }
 
 fn dimension(reached: &[usize], shape: &[usize], report: &mut Report) -> Result<(), Failure> {
-    let Some(found) = uncertainty_exponent(reached, shape)? else {
+    let Some(found) = UncertaintyExponent::of(reached, shape)? else {
         report.note("dimension of the boundary: no boundary between starts was seen");
         report.field("boundary", Value::Null);
         return Ok(());

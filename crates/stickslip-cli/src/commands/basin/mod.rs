@@ -12,7 +12,7 @@ use std::path::Path;
 use plot::{Axis, Cells, Figure, Legend, Markers, Panel};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{Attractor, AttractorKind, Attractors, attractors_of_many, return_time};
+use stickslip::analysis::{Attractor, AttractorKind, Attractors};
 use stickslip::dynamics::Vector;
 
 use super::arguments::{RunArguments, SolverArguments, count, seed};
@@ -209,14 +209,14 @@ impl Sweep for Basin {
             .map(|point| Vector::from(self.start(point)))
             .collect();
         let of_system = |error: stickslip::Error| Failure::from(error).of(system);
-        let reached = attractors_of_many(system.dynamics(), &starts, &settings, &options);
+        let reached = Attractor::of_all(system.dynamics(), &starts, &settings, &options);
         let reached = reached.map_err(of_system)?;
         let returns = self
             .measures
             .return_within
             .map_or(Ok(Vec::new()), |distance| {
                 let each = starts.iter().zip(&reached).map(|(start, one)| {
-                    return_time(system.dynamics(), start, one, distance, &settings, &options)
+                    one.return_time(system.dynamics(), start, distance, &settings, &options)
                 });
                 each.collect::<Result<Vec<_>, _>>().map_err(of_system)
             })?;

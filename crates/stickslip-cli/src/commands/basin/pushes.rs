@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use stickslip::Error;
-use stickslip::analysis::{AttractorKind, Push, PushSettings, least_pushes};
+use stickslip::analysis::{AttractorKind, Push, PushSettings};
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
 use stickslip_model::file::{System, number};
@@ -128,7 +128,7 @@ pub(super) fn pushes(
         let push = if largest > 0.0 {
             let how = PushSettings::up_to(largest);
             let along = [direction.vector(from.len())];
-            let found = least_pushes(dynamics, &from, along, &how, &of.settings, &of.options)?;
+            let found = Push::least(dynamics, &from, along, &how, &of.settings, &of.options)?;
             found.into_iter().flatten().next()
         } else {
             None

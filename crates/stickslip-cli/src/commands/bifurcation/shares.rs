@@ -7,7 +7,7 @@ use numerics::SplitMix;
 use plot::{Axis, Figure, Legend, Panel, Region};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use stickslip::analysis::{Attractor, SharesAt, shares_at};
+use stickslip::analysis::{Attractor, SharesAt};
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
 
@@ -161,7 +161,7 @@ impl Bifurcation {
             let earlier = last
                 .as_ref()
                 .map(|(there, before)| (there.dynamics(), before));
-            let found = shares_at(
+            let found = SharesAt::of(
                 here.dynamics(),
                 value,
                 starts,

@@ -11,7 +11,7 @@ use stickslip::analysis::{
 };
 use stickslip::dynamics::DynamicsRef;
 use stickslip_model::file::System;
-use stickslip_model::study::{Along, Followed, SideBranch, WholeBranch};
+use stickslip_model::study::{Followed, ParameterLine, SideBranch, TwoSidedBranch};
 
 use super::super::range::ParameterRange;
 use super::Arguments;
@@ -38,12 +38,12 @@ pub(super) struct SecondParameter {
 pub(super) struct BranchStart<'a> {
     system: &'a System,
     range: &'a ParameterRange,
-    pub(super) along: Along<'a>,
+    pub(super) along: ParameterLine<'a>,
 }
 
 impl<'a> BranchStart<'a> {
     pub(super) fn at(system: &'a System, range: &'a ParameterRange) -> Result<Self, Failure> {
-        let along = Along::new(system, &range.name, (range.low, range.high))?;
+        let along = ParameterLine::new(system, &range.name, (range.low, range.high))?;
         let value = along.value;
         if !(range.low..=range.high).contains(&value) {
             return Err(Failure::Usage(format!(
@@ -68,7 +68,7 @@ impl<'a> BranchStart<'a> {
         settings: &ContinuationSettings,
         options: &Options,
         (writer, status): (&Writer, &Status),
-    ) -> Result<WholeBranch, Failure> {
+    ) -> Result<TwoSidedBranch, Failure> {
         let (settings, x) = self.along.start(orbit, settings, options, None)?;
         let far = Mutex::new([(0_usize, self.along.value); 2]);
         let way = |upwards| {
@@ -137,7 +137,7 @@ impl<'a> BranchStart<'a> {
         &self,
         also: &SecondParameter,
         orbit: &PeriodicOrbit,
-        branch: &WholeBranch,
+        branch: &TwoSidedBranch,
         (settings, options): (&ContinuationSettings, &Options),
         writer: &Writer,
     ) -> Result<Vec<(SpecialPoint, Option<Curve>)>, Failure> {
@@ -168,7 +168,7 @@ impl<'a> BranchStart<'a> {
     pub(super) fn side_branches(
         &self,
         orbit: &PeriodicOrbit,
-        branch: &WholeBranch,
+        branch: &TwoSidedBranch,
         (settings, depth, options): (&ContinuationSettings, NonZeroUsize, &Options),
         writer: &Writer,
     ) -> Result<Vec<SideBranch>, Failure> {

@@ -140,7 +140,7 @@ pub(super) fn report(
     Ok(())
 }
 
-/// What is drawn of a curve: the two parameters of its points, the second one first.
+/// The drawn parts of a curve: the two parameters of its points, the second one first.
 pub(super) struct CurveDrawing {
     pub(super) what: String,
     pub(super) places: Vec<[f64; 2]>,

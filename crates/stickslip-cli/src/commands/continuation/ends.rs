@@ -80,7 +80,7 @@ impl EndDescription {
                 let words = format!("{place}, rates {comes} and {leaves}");
                 (words, Some("homoclinic"))
             }
-            Stop::Rest => (
+            Stop::HeldByFriction => (
                 "at rest: its motion has fallen to a thousandth of the first orbit's".to_owned(),
                 None,
             ),

@@ -7,7 +7,7 @@ use plot::{
 use stickslip::analysis::{CycleBifurcation, SpecialPoint, Stability, Stop};
 use stickslip::math::modulus;
 use stickslip_model::file::System;
-use stickslip_model::study::{BranchEnd, BranchOrbit, WholeBranch};
+use stickslip_model::study::{BranchEnd, BranchOrbit, TwoSidedBranch};
 
 use super::super::figures;
 use super::super::range::ParameterRange;
@@ -25,7 +25,7 @@ const LARGEST_DRAWN: f64 = 3.0;
 pub(super) fn diagram(
     system: &System,
     range: &ParameterRange,
-    branches: &[&WholeBranch],
+    branches: &[&TwoSidedBranch],
 ) -> Figure {
     let first = &system.file.states[0];
     let largest: ValueOfOrbit = |at| {
@@ -131,7 +131,12 @@ const SPECIAL: [&str; 6] = [
 ];
 
 /// Adds the markers of the special orbits to the panel of a value.
-fn add_special(panel: &mut Panel, branches: &[&WholeBranch], value: ValueOfOrbit, is_size: bool) {
+fn add_special(
+    panel: &mut Panel,
+    branches: &[&TwoSidedBranch],
+    value: ValueOfOrbit,
+    is_size: bool,
+) {
     for name in SPECIAL {
         let there = branches.iter().flat_map(|branch| {
             let special = branch.special.iter();
@@ -189,7 +194,7 @@ fn mark_of_end(stop: &Stop) -> Option<usize> {
         Stop::Equilibrium { .. } => Some(0),
         Stop::Homoclinic { .. } => Some(1),
         Stop::BoundaryEquilibrium { .. } => Some(2),
-        Stop::Rest => Some(3),
+        Stop::HeldByFriction => Some(3),
         Stop::TwoFold { .. } => Some(4),
         Stop::Flip { .. } => Some(5),
         _ => None,
@@ -216,12 +221,12 @@ fn end_mark(end: &BranchOrbit, stop: &Stop, value: ValueOfOrbit, is_extent: bool
 }
 
 /// The orbits of all branches.
-fn points<'b>(branches: &'b [&WholeBranch]) -> impl Iterator<Item = &'b BranchOrbit> {
+fn points<'b>(branches: &'b [&TwoSidedBranch]) -> impl Iterator<Item = &'b BranchOrbit> {
     branches.iter().flat_map(|branch| &branch.points)
 }
 
 /// The part of the range that the branches cover, with a margin.
-fn ends(range: &ParameterRange, branches: &[&WholeBranch]) -> (f64, f64) {
+fn ends(range: &ParameterRange, branches: &[&TwoSidedBranch]) -> (f64, f64) {
     let parameters = points(branches).map(|at| at.orbit.parameter);
     let (low, high) = figures::extremes(parameters);
     if low >= high {
@@ -234,7 +239,7 @@ fn ends(range: &ParameterRange, branches: &[&WholeBranch]) -> (f64, f64) {
 /// Position of a special orbit on the curve of a value, between its neighbours. If a multiplier
 /// changes the stability, its size is 1 there.
 fn place(
-    branch: &WholeBranch,
+    branch: &TwoSidedBranch,
     at: &SpecialPoint,
     value: ValueOfOrbit,
     is_size: bool,
@@ -273,7 +278,7 @@ fn place(
 /// Splits the branch into pieces of equal stability. Neighbouring pieces share the special orbit
 /// between them, so that the curve has no gap.
 fn runs(
-    branch: &WholeBranch,
+    branch: &TwoSidedBranch,
     value: ValueOfOrbit,
     is_size: bool,
 ) -> Vec<(Stability, Vec<(f64, f64)>)> {
@@ -302,7 +307,7 @@ fn runs(
 }
 
 /// Whether a value varies by more than rounding and its error.
-fn differs(branches: &[&WholeBranch], value: ValueOfOrbit, error: f64) -> bool {
+fn differs(branches: &[&TwoSidedBranch], value: ValueOfOrbit, error: f64) -> bool {
     let (low, high) = figures::extremes(points(branches).map(value));
     high - low > error + 1e-9 * high.abs()
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use stickslip::analysis::SpecialPoint;
 use stickslip::error::readable;
 use stickslip_model::file::System;
-use stickslip_model::study::{BranchOrbit, SideBranch, WholeBranch};
+use stickslip_model::study::{BranchOrbit, SideBranch, TwoSidedBranch};
 
 use super::super::attractors::family_words;
 use super::super::range::ParameterRange;
@@ -20,7 +20,7 @@ use crate::render::{Report, explained, place};
 pub(super) fn of(
     system: &System,
     range: &ParameterRange,
-    branch: &WholeBranch,
+    branch: &TwoSidedBranch,
     others: Option<&[SideBranch]>,
 ) -> Result<Report, Failure> {
     let (name, points, family) = (&range.name, &branch.points, branch.family);
@@ -79,7 +79,7 @@ pub(super) fn of(
     let is_numbered = others.is_some();
     let others = others.unwrap_or_default();
     let followed = others.iter().map(|other| &other.branch);
-    let branches: Vec<&WholeBranch> = std::iter::once(branch).chain(followed).collect();
+    let branches: Vec<&TwoSidedBranch> = std::iter::once(branch).chain(followed).collect();
     let numbered = || branches.iter().copied().enumerate();
     let points = numbered().flat_map(|(k, one)| one.points.iter().map(move |at| (k, at)));
     let points: Vec<(usize, &BranchOrbit)> = points.collect();
@@ -91,7 +91,7 @@ pub(super) fn of(
 }
 
 /// Reports the ends of the branch in both directions.
-fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeBranch) {
+fn report_ends(report: &mut Report, system: &System, name: &str, branch: &TwoSidedBranch) {
     let ends = branch
         .stops
         .each_ref()
@@ -126,7 +126,7 @@ fn report_ends(report: &mut Report, system: &System, name: &str, branch: &WholeB
 /// A branch that begins at another branch, in words and as a JSON object.
 fn of_other(
     (number, other): (usize, &SideBranch),
-    parent: &WholeBranch,
+    parent: &TwoSidedBranch,
     system: &System,
     name: &str,
 ) -> (String, Value) {

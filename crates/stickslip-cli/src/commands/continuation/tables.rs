@@ -1,7 +1,7 @@
 //! The tables `branch.csv` and `special.csv`.
 
 use stickslip_model::file::System;
-use stickslip_model::study::{BranchOrbit, SideBranch, SpecialRow, WholeBranch};
+use stickslip_model::study::{BranchOrbit, SideBranch, SpecialRow, TwoSidedBranch};
 
 use crate::render::Table;
 
@@ -78,7 +78,7 @@ pub(super) fn columns<'a>(
 
 /// Rows of the special orbits of a branch with its number, at which other branches may begin.
 pub(super) fn rows(
-    (number, branch): (usize, &WholeBranch),
+    (number, branch): (usize, &TwoSidedBranch),
     others: &[SideBranch],
     system: &System,
 ) -> Vec<NumberedRow> {

@@ -5,13 +5,13 @@ mod request;
 
 use serde_json::{Map, Value, json};
 use stickslip::Mode;
-use stickslip::analysis::LeastSquaresEnd;
 use stickslip::dynamics::Modes;
 use stickslip::error::readable;
 use stickslip_model::file::System;
 use stickslip_model::study::fit::{
     Fit, FitError, FittedColumn, FittedValue, SeenModes, SeenPhase, ending, fit,
 };
+use stickslip_model::study::least_squares::LeastSquaresEnd;
 
 use super::arguments::{PreparedRun, RunArguments, count};
 use crate::failure::{Failure, in_words};

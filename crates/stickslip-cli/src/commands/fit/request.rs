@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use stickslip::Options;
-use stickslip::analysis::Loss;
 use stickslip_model::expression::normal;
 use stickslip_model::file::{System, number, table_points};
 use stickslip_model::study::fit::{FitRequest, Observable, Record, Unknown};
+use stickslip_model::study::least_squares::Loss;
 
 use super::Arguments;
 use crate::commands::arguments::assignment;

@@ -1,6 +1,6 @@
 //! Events near times of the data: the residuals jump where one passes the other.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresSettings, least_squares};
+use crate::study::least_squares::{LeastSquares, LeastSquaresSettings, least_squares};
 use stickslip::dynamics::Vector;
 use stickslip::error::readable;
 

@@ -1,6 +1,6 @@
 //! Directions of the unknowns, by what the data say about them.
 
-use stickslip::analysis::null_space;
+use crate::study::least_squares::null_space;
 use stickslip::dynamics::{Matrix, Vector};
 use stickslip::math::product;
 use stickslip::nalgebra::{QR, SVD};

@@ -17,11 +17,11 @@ mod uncertainty;
 mod unknowns;
 mod work;
 
-use rayon::prelude::*;
-use std::sync::Arc;
-use stickslip::analysis::{
+use crate::study::least_squares::{
     LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, least_squares,
 };
+use rayon::prelude::*;
+use std::sync::Arc;
 use stickslip::dynamics::{Interrupt, Matrix, Modes, Vector};
 use stickslip::{Error, Options};
 

@@ -1,6 +1,6 @@
 //! The noise of each observable, estimated from residuals.
 
-use stickslip::analysis::Loss;
+use crate::study::least_squares::Loss;
 use stickslip::dynamics::Vector;
 
 use super::problem::FitProblem;

@@ -1,6 +1,6 @@
 //! Records in parts with starts of their own, which have to meet: multiple shooting.
 
-use stickslip::analysis::Residuals;
+use crate::study::least_squares::Residuals;
 use stickslip::dynamics::{Matrix, Vector};
 
 use super::problem::{FitProblem, Sequence};

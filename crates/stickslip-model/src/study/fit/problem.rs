@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use crate::study::least_squares::{Loss, Residuals};
 use rayon::prelude::*;
-use stickslip::analysis::{Loss, Residuals};
 use stickslip::dynamics::{Matrix, Modes, Vector};
 use stickslip::error::readable;
 

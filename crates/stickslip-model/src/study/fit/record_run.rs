@@ -1,6 +1,6 @@
 //! One record ready to run, and its run at a point.
 
-use stickslip::analysis::{EventDerivatives, Variable, orbit_derivatives};
+use stickslip::analysis::{EventDerivatives, OrbitDerivatives, Variable};
 use stickslip::dynamics::{DynamicsRef, Matrix, Modes, Vector};
 use stickslip::scalar::Dual;
 use stickslip::{Error, Options, Scalar};
@@ -248,7 +248,7 @@ impl RecordRun {
             times.push(last + (last - t_start) / self.times.len().max(1) as f64);
         }
         let last = times.last().copied().unwrap_or(t_start);
-        let run = orbit_derivatives(
+        let run = OrbitDerivatives::of(
             &self.dynamics,
             t_start,
             Vector::from_vec(start),

@@ -1,6 +1,6 @@
 //! Results of a fit for one minimum.
 
-use stickslip::analysis::LeastSquares;
+use crate::study::least_squares::LeastSquares;
 use stickslip::dynamics::Modes;
 
 use super::problem::{FitProblem, Sequence};

@@ -1,10 +1,10 @@
 //! Multiple shooting: parts with starts of their own, which have to meet.
 
-use rayon::prelude::*;
-use stickslip::analysis::{
+use crate::study::least_squares::{
     LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Loss, Residuals,
     constrained_least_squares, least_squares,
 };
+use rayon::prelude::*;
 use stickslip::dynamics::Vector;
 
 use super::parts::PartStart;

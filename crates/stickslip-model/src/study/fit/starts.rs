@@ -1,7 +1,7 @@
 //! Starts of a search: the given one, those that fill the bounds, and calibration fitted there.
 
+use crate::study::least_squares::{LeastSquaresSettings, least_squares};
 use rayon::prelude::*;
-use stickslip::analysis::{LeastSquaresSettings, least_squares};
 use stickslip::dynamics::Vector;
 
 use super::FitError;

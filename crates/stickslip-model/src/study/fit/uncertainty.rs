@@ -1,6 +1,6 @@
 //! Standard errors, correlations, and what the data do not determine.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresEnd, Loss};
+use crate::study::least_squares::{LeastSquares, LeastSquaresEnd, Loss};
 use stickslip::dynamics::{Matrix, Vector};
 
 use super::Modelled;

@@ -1,6 +1,6 @@
 //! The work of the searches for one minimum, all stages together.
 
-use stickslip::analysis::{LeastSquares, LeastSquaresSettings};
+use crate::study::least_squares::{LeastSquares, LeastSquaresSettings};
 
 /// Steps and evaluations so far, of which there is a greatest number.
 #[derive(Clone, Copy, Debug, Default)]

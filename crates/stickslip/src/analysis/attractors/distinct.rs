@@ -4,7 +4,7 @@ use super::attractor::{Attractor, AttractorKind, shifts};
 use super::equilibrium::{distance_bounds, holds, resolves};
 use super::recurrent::is_same_set;
 use super::tolerance::{SOLVER_TOLERANCES, SameWithin};
-use crate::analysis::cycle::{Cycle, Outline, Shooting};
+use crate::analysis::cycle::{Cycle, OrbitGuess, Shooting};
 use crate::analysis::multipliers;
 use crate::dynamics::{AsDynamics, DynamicsRef, Modes, Moment, Vector};
 use crate::filippov::Options;
@@ -233,7 +233,7 @@ impl<'a> Attractors<'a> {
     /// the distance.
     fn cycle_near(&self, at: &Moment, period: f64, distance: f64) -> Option<Cycle> {
         let (system, options) = (&*self.system, &self.options);
-        let guess = Outline::of_run(system, at, period, options).ok()?;
+        let guess = OrbitGuess::of_run(system, at, period, options).ok()?;
         let forced = self.forcing.is_some().then_some(period);
         let orbit = Shooting::of(system, &guess, forced, options).nearest(&guess, None)?;
         let shift = &orbit.outline.begin.x - &guess.begin.x;
@@ -309,7 +309,7 @@ impl<'a> Attractors<'a> {
                 x: &one.x + &difference * part,
             };
             let flow = self.system.flow(mode, &at);
-            at.x = flow.settled(&at);
+            at.x = flow.projected(&at);
             let is_at_rest = flow.velocity(&at).amax() <= self.closeness() * at.x.amax();
             is_at_rest && self.holds(mode, &at)
         })

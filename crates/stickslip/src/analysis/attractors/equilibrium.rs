@@ -169,7 +169,7 @@ pub(crate) fn equations(
     let velocity = flow.velocity(at);
     // The sliding field has no component across the boundary, neither on it nor nearby. So an
     // additional equation states that the equilibrium lies on the boundary.
-    let onto = flow.settled(at) - &at.x;
+    let onto = flow.projected(at) - &at.x;
     let length = |normal: &Vector| normal.rows(0, free).norm();
     let normals = system.normals(mode, at).into_iter();
     let normals = normals.map(|(_, normal)| (normal.dot(&onto), normal));

@@ -13,7 +13,6 @@ mod trap;
 
 pub(super) use attractor::shifts;
 pub use attractor::{Attractor, AttractorKind};
-pub use by_shooting::attractor_by_shooting;
 pub use distinct::Attractors;
 pub(super) use tolerance::SOLVER_TOLERANCES;
 
@@ -23,7 +22,7 @@ use crate::dynamics::{
     AsDynamics, Components, Dynamics, Modes, Moment, OrbitUnderWay, Section, Vector, Watching,
 };
 use crate::error::{Error, require};
-use crate::filippov::{Options, Strobe};
+use crate::filippov::Options;
 use crate::system::Mode;
 use search::Search;
 
@@ -129,39 +128,43 @@ pub fn attractor<Kind>(
     attractor_of(&*system.dynamics(), x0.vector(), settings, options)
 }
 
-/// [`attractor`] for one start of many: a start outside the domain of the field, behind a stop or
-/// beyond the escape bound is also an [`AttractorKind`].
-///
-/// # Errors
-/// The other errors of [`attractor`].
-pub fn attractor_of_many<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x0: impl Components,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Attractor, Error> {
-    let (system, x0) = (system.dynamics(), x0.vector());
-    let found = attractor_of(&*system, x0.clone(), settings, options);
-    found.or_else(|error| without_run(error, &*system, x0))
+impl Attractor {
+    /// [`attractor`] for one start of many: a start outside the domain of the field, behind a stop
+    /// or beyond the escape bound is also an [`AttractorKind`].
+    ///
+    /// # Errors
+    /// The other errors of [`attractor`].
+    pub fn of_any<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x0: impl Components,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Attractor, Error> {
+        let (system, x0) = (system.dynamics(), x0.vector());
+        let found = attractor_of(&*system, x0.clone(), settings, options);
+        found.or_else(|error| without_run(error, &*system, x0))
+    }
 }
 
-/// [`attractor_of_many`] for several starts.
-///
-/// With [`crate::Method::Taylor`], the orbits of a system from formulas are computed side by side
-/// in vectors, in a fraction of the time. Each is bit-for-bit the same as alone.
-///
-/// # Errors
-/// Those of [`attractor_of_many`], for the first start that fails.
-pub fn attractors_of_many<Kind>(
-    system: &impl AsDynamics<Kind>,
-    starts: impl IntoIterator<Item = impl Components>,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Vec<Attractor>, Error> {
-    let starts: Vec<Vector> = starts.into_iter().map(Components::vector).collect();
-    let go_on = &mut || ControlFlow::Continue(());
-    let outcomes = attractors_of(&*system.dynamics(), &starts, settings, options, go_on)?;
-    outcomes.into_iter().flatten().collect()
+impl Attractor {
+    /// [`Attractor::of_any`] for several starts.
+    ///
+    /// With [`crate::Method::Taylor`], the orbits of a system from formulas are computed side by
+    /// side in vectors, in a fraction of the time. Each is bit-for-bit the same as alone.
+    ///
+    /// # Errors
+    /// Those of [`Attractor::of_any`], for the first start that fails.
+    pub fn of_all<Kind>(
+        system: &impl AsDynamics<Kind>,
+        starts: impl IntoIterator<Item = impl Components>,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Vec<Attractor>, Error> {
+        let starts: Vec<Vector> = starts.into_iter().map(Components::vector).collect();
+        let go_on = &mut || ControlFlow::Continue(());
+        let outcomes = attractors_of(&*system.dynamics(), &starts, settings, options, go_on)?;
+        outcomes.into_iter().flatten().collect()
+    }
 }
 
 /// The outcome of a start from which no run can begin, unless that is an error.
@@ -190,7 +193,7 @@ fn without_run(error: Error, system: &dyn Dynamics, x: Vector) -> Result<Attract
     })
 }
 
-/// [`attractors_of_many`] with a callback after each start. The callback may stop the
+/// [`Attractor::of_all`] with a callback after each start. The callback may stop the
 /// computation; a start that has no outcome yet is then left out.
 pub(super) fn attractors_of(
     system: &dyn Dynamics,
@@ -258,7 +261,7 @@ fn section(settings: &RecurrenceSettings, options: &Options) -> (Option<Section>
         Some(period) => {
             // A step must not pass over two strobe times.
             let longest = options.longest_step.min(0.5 * period);
-            let strobe = Section::Strobe(Strobe { first: 0.0, period });
+            let strobe = Section::Strobe { first: 0.0, period };
             (Some(strobe), options.longest_step(longest))
         }
         None => (None, *options),

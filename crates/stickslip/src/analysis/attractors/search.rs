@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
                 self.steps_since_transition += 1;
                 if self.may_use_extrema && self.steps_since_transition > STEPS_BEFORE_EXTREMA {
                     self.may_use_extrema = false;
-                    orbit.watch(&[Section::Turning]);
+                    orbit.watch(&[Section::MaximaOfFirstState]);
                     return None;
                 }
                 self.step(orbit.mode(), orbit.t(), orbit.x())

@@ -3,10 +3,8 @@
 use super::is_on_boundary;
 use super::return_time::to_chord;
 use crate::analysis::attractors::equilibrium::{equilibrium_near, holds};
-use crate::analysis::attractors::{
-    Attractor, Attractors, RecurrenceSettings, SOLVER_TOLERANCES, attractor_of_many,
-};
-use crate::analysis::{multipliers, periodic_orbit, periodic_orbit_forced};
+use crate::analysis::attractors::{Attractor, Attractors, RecurrenceSettings, SOLVER_TOLERANCES};
+use crate::analysis::{PeriodicOrbit, multipliers};
 use crate::dynamics::{AsDynamics, Components, DynamicsRef, Modes, Moment, OrbitProgress, Vector};
 use crate::error::{Error, require};
 use crate::filippov::Options;
@@ -108,90 +106,92 @@ pub struct EdgeState {
     pub beside: [Attractor; 2],
 }
 
-/// The edge state between the basins of two states, which must lead to different attractors.
-///
-/// The segment between them is bisected to a state on the boundary of the first one's basin. Two
-/// orbits from both sides of it follow the boundary until they are apart, and the segment between
-/// them is bisected again. In the time of the settings the track comes to an attractor of the
-/// motion within the boundary (Skufca, Yorke & Eckhardt, *Physical Review Letters* 96 (2006)
-/// 174101). An equilibrium or a periodic orbit there is refined by Newton's iteration.
-///
-/// If the segment crosses several boundaries, bisection ends at one of them, and the track is on
-/// the boundary between the first basin and whatever lies behind. In a system with a drive, states
-/// are compared at whole periods of it.
-///
-/// ```
-/// use stickslip::analysis::{EdgeKind, EdgeSettings, RecurrenceSettings, edge_state};
-/// use stickslip::{Filippov, Options, Scalar, Side};
-///
-/// /// u = x - y²/3 has the rate u - u³, and y decays: x = y²/3 is the boundary of two basins.
-/// struct Wells;
-/// impl Filippov<2> for Wells {
-///     fn field<T: Scalar>(&self, _side: Side, _t: T, &[x, y]: &[T; 2]) -> [T; 2] {
-///         let u = x - y * y / T::constant(3.0);
-///         [u - u * u * u - y * y * (2.0 / 3.0), -y]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
-///         T::constant(-1.0)
-///     }
-/// }
-/// let (within, options) = (RecurrenceSettings::within(200.0), Options::default());
-/// let how = EdgeSettings::within(50.0);
-/// let found = edge_state(&Wells, [0.0, 1.0], [1.0, 1.0], &how, &within, &options)?;
-/// assert!(found.kind == EdgeKind::Equilibrium && found.unstable == 1);
-/// assert!(found.x.amax() < 1e-12);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Option`] for a setting that is not allowed, and for two states that lead to the same
-/// attractor, with their distance. Those of [`crate::analysis::attractor_of_many`].
-pub fn edge_state<Kind>(
-    system: &impl AsDynamics<Kind>,
-    one: impl Components,
-    other: impl Components,
-    how: &EdgeSettings,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<EdgeState, Error> {
-    how.check()?;
-    let (one, other) = (one.vector(), other.vector());
-    let dynamics = system.dynamics();
-    let system: DynamicsRef<'_> = DynamicsRef::Borrowed(&*dynamics);
-    let home = attractor_of_many(&system, &one, settings, options)?;
-    let beyond = attractor_of_many(&system, &other, settings, options)?;
-    let mut distinct = Attractors::new(&system, settings, options);
-    let number = distinct.number(home.clone());
-    let scale = (&other - &one).norm();
-    let bound = "between states that lead to different attractors";
-    require(
-        distinct.number(beyond.clone()) != number,
-        "distance",
-        scale,
-        bound,
-    )?;
-    let mut tracking = Tracking {
-        system: &system,
-        settings,
-        options,
-        distinct,
-        home: number,
-        beside: [home, beyond],
-        near: how.near * scale,
-        apart: how.apart * scale,
-        bisections: 0,
-        track: Vec::new(),
-    };
-    let found = tracking.follow(how.longest, [one, other])?;
-    let (kind, x, unstable) = found;
-    Ok(EdgeState {
-        kind,
-        x,
-        unstable,
-        track: tracking.track,
-        bisections: tracking.bisections,
-        beside: tracking.beside,
-    })
+impl EdgeState {
+    /// The edge state between the basins of two states, which must lead to different attractors.
+    ///
+    /// The segment between them is bisected to a state on the boundary of the first one's basin.
+    /// Two orbits from both sides of it follow the boundary until they are apart, and the segment
+    /// between them is bisected again. In the time of the settings the track comes to an attractor
+    /// of the motion within the boundary (Skufca, Yorke & Eckhardt, *Physical Review Letters* 96
+    /// (2006) 174101). An equilibrium or a periodic orbit there is refined by Newton's iteration.
+    ///
+    /// If the segment crosses several boundaries, bisection ends at one of them, and the track is
+    /// on the boundary between the first basin and whatever lies behind. In a system with a drive,
+    /// states are compared at whole periods of it.
+    ///
+    /// ```
+    /// use stickslip::analysis::{EdgeKind, EdgeSettings, EdgeState, RecurrenceSettings};
+    /// use stickslip::{Filippov, Options, Scalar, Side};
+    ///
+    /// /// u = x - y²/3 has the rate u - u³, and y decays: x = y²/3 is the boundary of two basins.
+    /// struct Wells;
+    /// impl Filippov<2> for Wells {
+    ///     fn field<T: Scalar>(&self, _side: Side, _t: T, &[x, y]: &[T; 2]) -> [T; 2] {
+    ///         let u = x - y * y / T::constant(3.0);
+    ///         [u - u * u * u - y * y * (2.0 / 3.0), -y]
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, _x: &[T; 2]) -> T {
+    ///         T::constant(-1.0)
+    ///     }
+    /// }
+    /// let (within, options) = (RecurrenceSettings::within(200.0), Options::default());
+    /// let how = EdgeSettings::within(50.0);
+    /// let found = EdgeState::between(&Wells, [0.0, 1.0], [1.0, 1.0], &how, &within, &options)?;
+    /// assert!(found.kind == EdgeKind::Equilibrium && found.unstable == 1);
+    /// assert!(found.x.amax() < 1e-12);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a setting that is not allowed, and for two states that lead to the
+    /// same attractor, with their distance. Those of [`crate::analysis::Attractor::of_any`].
+    pub fn between<Kind>(
+        system: &impl AsDynamics<Kind>,
+        one: impl Components,
+        other: impl Components,
+        how: &EdgeSettings,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<EdgeState, Error> {
+        how.check()?;
+        let (one, other) = (one.vector(), other.vector());
+        let dynamics = system.dynamics();
+        let system: DynamicsRef<'_> = DynamicsRef::Borrowed(&*dynamics);
+        let home = Attractor::of_any(&system, &one, settings, options)?;
+        let beyond = Attractor::of_any(&system, &other, settings, options)?;
+        let mut distinct = Attractors::new(&system, settings, options);
+        let number = distinct.number(home.clone());
+        let scale = (&other - &one).norm();
+        let bound = "between states that lead to different attractors";
+        require(
+            distinct.number(beyond.clone()) != number,
+            "distance",
+            scale,
+            bound,
+        )?;
+        let mut tracking = Tracking {
+            system: &system,
+            settings,
+            options,
+            distinct,
+            home: number,
+            beside: [home, beyond],
+            near: how.near * scale,
+            apart: how.apart * scale,
+            bisections: 0,
+            track: Vec::new(),
+        };
+        let found = tracking.follow(how.longest, [one, other])?;
+        let (kind, x, unstable) = found;
+        Ok(EdgeState {
+            kind,
+            x,
+            unstable,
+            track: tracking.track,
+            bisections: tracking.bisections,
+            beside: tracking.beside,
+        })
+    }
 }
 
 /// Kind, state, and number of unstable directions.
@@ -340,7 +340,7 @@ impl Tracking<'_> {
             if middle == one || middle == other {
                 break;
             }
-            let reached = attractor_of_many(self.system, &middle, self.settings, self.options)?;
+            let reached = Attractor::of_any(self.system, &middle, self.settings, self.options)?;
             if self.distinct.number(reached.clone()) == self.home {
                 one = middle;
             } else {
@@ -401,7 +401,7 @@ impl Tracking<'_> {
         let Some((_, period)) = nearest else {
             return Ok((None, 0.0));
         };
-        let found = match periodic_orbit(self.system, &at.x, period, self.options) {
+        let found = match PeriodicOrbit::near(self.system, &at.x, period, self.options) {
             Ok(found) => found,
             Err(interrupted @ Error::Interrupted { .. }) => return Err(interrupted),
             Err(_) => return Ok((None, period)),
@@ -422,7 +422,8 @@ impl Tracking<'_> {
             return Ok(None);
         };
         let period = (returns + 1) as f64 * drive;
-        let found = match periodic_orbit_forced(self.system, 0.0, &at.x, period, self.options) {
+        let found = match PeriodicOrbit::near_forced(self.system, 0.0, &at.x, period, self.options)
+        {
             Ok(found) => found,
             Err(interrupted @ Error::Interrupted { .. }) => return Err(interrupted),
             Err(_) => return Ok(None),

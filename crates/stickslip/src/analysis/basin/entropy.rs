@@ -8,7 +8,7 @@ use crate::math;
 /// to bound the time.
 const MOST_PLACES: usize = 8;
 
-/// Basin entropy of a grid of starts at one size of boxes; see [`basin_entropy`].
+/// Basin entropy of a grid of starts at one size of boxes; see [`BasinEntropy::of`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BasinEntropy {
     /// Number of boxes.
@@ -37,70 +37,70 @@ impl BasinEntropy {
     }
 }
 
-/// Basin entropy of starts on a regular grid, in boxes of `side` starts along each axis.
-///
-/// In a box of which the part `p_j` leads to attractor `j`, the entropy is `−Σ p_j ln p_j`. `Sb` is
-/// its mean over all boxes of a covering, `Sbb` its mean over the boxes with two attractors or
-/// more (Daza, Wagemakers, Georgeot, Guéry-Odelin & Sanjuán, *Scientific Reports* 6 (2016) 31416).
-///
-/// The covering begins at the first start. Standard errors are the spread of the values from
-/// coverings that begin elsewhere, at up to eight places along each axis.
-///
-/// `reached` has the number of the attractor of each start, `shape` the number of starts along each
-/// axis. The last axis varies fastest.
-///
-/// ```
-/// use stickslip::analysis::basin_entropy;
-///
-/// // One basin in four columns of eight, the other in the rest: the boundary lies between boxes.
-/// let reached: Vec<usize> = (0..64).map(|k| usize::from(k % 8 >= 4)).collect();
-/// assert_eq!(basin_entropy(&reached, &[8, 8], 4)?.entropy, 0.0);
-/// // A quarter of each box on the boundary belongs to the second basin.
-/// let reached: Vec<usize> = (0..64).map(|k| usize::from(k % 8 >= 3)).collect();
-/// let found = basin_entropy(&reached, &[8, 8], 4)?;
-/// let quarter = 0.25 * 4f64.ln() + 0.75 * (4f64 / 3.0).ln();
-/// assert_eq!((found.boxes, found.boundary_boxes), (4, 2));
-/// assert!((found.boundary_entropy.unwrap() - quarter).abs() < 1e-15);
-/// assert!((found.entropy - 0.5 * quarter).abs() < 1e-15);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Option`] where the shape is not that of the starts, or where `side` is less than 2 or
-/// does not divide each axis into two boxes or more.
-pub fn basin_entropy(
-    reached: &[usize],
-    shape: &[usize],
-    side: usize,
-) -> Result<BasinEntropy, Error> {
-    let grid = Grid::new(reached, shape)?;
-    let divides = |points: &usize| points.is_multiple_of(side) && points / side >= 2;
-    let is_allowed = side >= 2 && shape.iter().all(divides);
-    let bound = "at least 2, and such that it divides each axis of the grid into 2 boxes or more";
-    require(is_allowed, "side", side as f64, bound)?;
-    let places = side.min(MOST_PLACES);
-    let counts = vec![places; shape.len()];
-    let mut coverings = indices(&counts).map(|place| {
-        let origin: Vec<usize> = place.iter().map(|k| k * side / places).collect();
-        covering(&grid, &origin, side)
-    });
-    let Some(first) = coverings.next() else {
-        return Err(Error::Option {
-            name: "side",
-            value: side as f64,
-            bound,
+impl BasinEntropy {
+    /// Basin entropy of starts on a regular grid, in boxes of `side` starts along each axis.
+    ///
+    /// In a box of which the part `p_j` leads to attractor `j`, the entropy is `−Σ p_j ln p_j`.
+    /// `Sb` is its mean over all boxes of a covering, `Sbb` its mean over the boxes with two
+    /// attractors or more (Daza, Wagemakers, Georgeot, Guéry-Odelin & Sanjuán, *Scientific Reports*
+    /// 6 (2016) 31416).
+    ///
+    /// The covering begins at the first start. Standard errors are the spread of the values from
+    /// coverings that begin elsewhere, at up to eight places along each axis.
+    ///
+    /// `reached` has the number of the attractor of each start, `shape` the number of starts along
+    /// each axis. The last axis varies fastest.
+    ///
+    /// ```
+    /// use stickslip::analysis::BasinEntropy;
+    ///
+    /// // One basin in four columns of eight: the boundary lies between boxes.
+    /// let reached: Vec<usize> = (0..64).map(|k| usize::from(k % 8 >= 4)).collect();
+    /// assert_eq!(BasinEntropy::of(&reached, &[8, 8], 4)?.entropy, 0.0);
+    /// // A quarter of each box on the boundary belongs to the second basin.
+    /// let reached: Vec<usize> = (0..64).map(|k| usize::from(k % 8 >= 3)).collect();
+    /// let found = BasinEntropy::of(&reached, &[8, 8], 4)?;
+    /// let quarter = 0.25 * 4f64.ln() + 0.75 * (4f64 / 3.0).ln();
+    /// assert_eq!((found.boxes, found.boundary_boxes), (4, 2));
+    /// assert!((found.boundary_entropy.unwrap() - quarter).abs() < 1e-15);
+    /// assert!((found.entropy - 0.5 * quarter).abs() < 1e-15);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Option`] where the shape is not that of the starts, or where `side` is less than 2
+    /// or does not divide each axis into two boxes or more.
+    pub fn of(reached: &[usize], shape: &[usize], side: usize) -> Result<BasinEntropy, Error> {
+        let grid = Grid::new(reached, shape)?;
+        let divides = |points: &usize| points.is_multiple_of(side) && points / side >= 2;
+        let is_allowed = side >= 2 && shape.iter().all(divides);
+        let bound =
+            "at least 2, and such that it divides each axis of the grid into 2 boxes or more";
+        require(is_allowed, "side", side as f64, bound)?;
+        let places = side.min(MOST_PLACES);
+        let counts = vec![places; shape.len()];
+        let mut coverings = indices(&counts).map(|place| {
+            let origin: Vec<usize> = place.iter().map(|k| k * side / places).collect();
+            covering(&grid, &origin, side)
         });
-    };
-    let all: Vec<Covering> = std::iter::once(first).chain(coverings).collect();
-    let boundary: Option<Vec<f64>> = all.iter().map(|one| one.of_boundary).collect();
-    Ok(BasinEntropy {
-        boxes: first.boxes,
-        boundary_boxes: first.boundary_boxes,
-        entropy: first.of_all,
-        entropy_error: spread(&all.iter().map(|one| one.of_all).collect::<Vec<_>>()),
-        boundary_entropy: first.of_boundary,
-        boundary_entropy_error: boundary.map(|all| spread(&all)),
-    })
+        let Some(first) = coverings.next() else {
+            return Err(Error::Option {
+                name: "side",
+                value: side as f64,
+                bound,
+            });
+        };
+        let all: Vec<Covering> = std::iter::once(first).chain(coverings).collect();
+        let boundary: Option<Vec<f64>> = all.iter().map(|one| one.of_boundary).collect();
+        Ok(BasinEntropy {
+            boxes: first.boxes,
+            boundary_boxes: first.boundary_boxes,
+            entropy: first.of_all,
+            entropy_error: spread(&all.iter().map(|one| one.of_all).collect::<Vec<_>>()),
+            boundary_entropy: first.of_boundary,
+            boundary_entropy_error: boundary.map(|all| spread(&all)),
+        })
+    }
 }
 
 /// Entropies of one covering by boxes.

@@ -8,12 +8,11 @@ mod return_time;
 mod shares;
 mod uncertainty;
 
-pub use edge::{EdgeKind, EdgeSettings, EdgeState, edge_state};
-pub use entropy::{BasinEntropy, basin_entropy};
-pub use push::{Push, PushSettings, least_pushes};
-pub use return_time::return_time;
-pub use shares::{SharesAt, shares_along, shares_at};
-pub use uncertainty::{UncertaintyExponent, uncertainty_exponent};
+pub use edge::{EdgeKind, EdgeSettings, EdgeState};
+pub use entropy::BasinEntropy;
+pub use push::{Push, PushSettings};
+pub use shares::SharesAt;
+pub use uncertainty::UncertaintyExponent;
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -93,7 +92,7 @@ impl Basin {
 /// ```
 ///
 /// # Errors
-/// Those of [`super::attractor_of_many`], for the first start that fails.
+/// Those of [`super::Attractor::of_any`], for the first start that fails.
 pub fn basin<Kind>(
     system: &impl AsDynamics<Kind>,
     starts: impl IntoIterator<Item = impl Components>,
@@ -101,58 +100,60 @@ pub fn basin<Kind>(
     options: &Options,
 ) -> Result<Basin, Error> {
     let go_on = || ControlFlow::Continue(());
-    let (attractors, reached) = basin_while(system, starts, settings, options, go_on)?;
+    let (attractors, reached) = Basin::found_while(system, starts, settings, options, go_on)?;
     Ok(Basin {
         attractors,
         reached: reached.into_iter().flatten().collect(),
     })
 }
 
-/// [`basin`] with a callback after each start, on the thread that integrated it. The callback
-/// may stop the computation; starts left out then have no number.
-///
-/// # Errors
-/// Those of [`basin`].
-pub fn basin_while<Kind>(
-    system: &impl AsDynamics<Kind>,
-    starts: impl IntoIterator<Item = impl Components>,
-    settings: &RecurrenceSettings,
-    options: &Options,
-    after_each: impl Fn() -> ControlFlow<()> + Sync,
-) -> Result<(Vec<Attractor>, Vec<Option<usize>>), Error> {
-    let mut distinct = Attractors::new(system, settings, options);
-    let dynamics = system.dynamics();
-    let mut reached = Vec::new();
-    let mut starts = starts.into_iter().map(Components::vector);
-    let is_enough = AtomicBool::new(false);
-    loop {
-        let wave: Vec<_> = starts.by_ref().take(ORBITS_AT_ONCE).collect();
-        if wave.is_empty() {
-            break;
-        }
-        let outcomes: Vec<_> = wave
-            .par_chunks(task_size(wave.len()))
-            .map(|starts| {
-                if is_enough.load(Ordering::Relaxed) {
-                    return Ok(vec![None; starts.len()]);
-                }
-                let mut go_on = || {
+impl Basin {
+    /// [`basin`] with a callback after each start, on the thread that integrated it. The callback
+    /// may stop the computation; starts left out then have no number.
+    ///
+    /// # Errors
+    /// Those of [`basin`].
+    pub fn found_while<Kind>(
+        system: &impl AsDynamics<Kind>,
+        starts: impl IntoIterator<Item = impl Components>,
+        settings: &RecurrenceSettings,
+        options: &Options,
+        after_each: impl Fn() -> ControlFlow<()> + Sync,
+    ) -> Result<(Vec<Attractor>, Vec<Option<usize>>), Error> {
+        let mut distinct = Attractors::new(system, settings, options);
+        let dynamics = system.dynamics();
+        let mut reached = Vec::new();
+        let mut starts = starts.into_iter().map(Components::vector);
+        let is_enough = AtomicBool::new(false);
+        loop {
+            let wave: Vec<_> = starts.by_ref().take(ORBITS_AT_ONCE).collect();
+            if wave.is_empty() {
+                break;
+            }
+            let outcomes: Vec<_> = wave
+                .par_chunks(task_size(wave.len()))
+                .map(|starts| {
                     if is_enough.load(Ordering::Relaxed) {
-                        return ControlFlow::Break(());
+                        return Ok(vec![None; starts.len()]);
                     }
-                    let flow = after_each();
-                    is_enough.fetch_or(flow.is_break(), Ordering::Relaxed);
-                    flow
-                };
-                attractors_of(&*dynamics, starts, settings, options, &mut go_on)
-            })
-            .collect();
-        for outcomes in outcomes {
-            for outcome in outcomes? {
-                let outcome = outcome.transpose()?;
-                reached.push(outcome.map(|outcome| distinct.number(outcome)));
+                    let mut go_on = || {
+                        if is_enough.load(Ordering::Relaxed) {
+                            return ControlFlow::Break(());
+                        }
+                        let flow = after_each();
+                        is_enough.fetch_or(flow.is_break(), Ordering::Relaxed);
+                        flow
+                    };
+                    attractors_of(&*dynamics, starts, settings, options, &mut go_on)
+                })
+                .collect();
+            for outcomes in outcomes {
+                for outcome in outcomes? {
+                    let outcome = outcome.transpose()?;
+                    reached.push(outcome.map(|outcome| distinct.number(outcome)));
+                }
             }
         }
+        Ok((distinct.into_vec(), reached))
     }
-    Ok((distinct.into_vec(), reached))
 }

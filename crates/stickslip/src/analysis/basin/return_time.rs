@@ -9,7 +9,7 @@ use crate::dynamics::{
     AsDynamics, Components, Dynamics, Moment, OrbitProgress, Section, Solution, Step, Vector,
 };
 use crate::error::{Error, require};
-use crate::filippov::{Options, Strobe};
+use crate::filippov::Options;
 
 /// Parts of a step at whose ends the distance to the attractor is taken. Chosen: steps are as long
 /// as the solution is smooth.
@@ -25,92 +25,94 @@ const CHORD_ERROR: f64 = 0.05;
 /// Largest number of chords of a periodic orbit, which bounds time and memory.
 const MOST_CHORDS: usize = 200_000;
 
-/// The time after which an orbit stays within a distance of the attractor that it reaches. `None`
-/// where there is no such time within [`RecurrenceSettings::longest`]. Nor is there for a motion
-/// that is neither an equilibrium nor periodic.
-///
-/// `reached` is what [`crate::analysis::attractor`] finds from `x0` with the same settings. The
-/// distance is Euclidean, in the units of the states. It is that to the equilibrium, or to the
-/// curve of the periodic orbit, from which the orbit may be ahead or behind. It must stay small
-/// through a period of the cycle. At an equilibrium it must stay small until it is a thousandth of
-/// `tolerance`, or the error of the solver.
-///
-/// In a system with a drive, states are compared with the attractor's at the same phase, at whole
-/// periods of the drive.
-///
-/// Mean and largest return times over random starts are measures of stability beside the share of
-/// the basin (Menck, Heitzig, Marwan & Kurths, *Nature Physics* 9 (2013) 89; "convergence times"
-/// of Attractors.jl).
-///
-/// ```
-#[doc = include_str!("../../../examples/common/belt.rs")]
-/// use stickslip::Options;
-/// use stickslip::analysis::{RecurrenceSettings, attractor, return_time};
-///
-/// let belt = Belt { speed: 0.2 };
-/// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
-/// let reached = attractor(&belt, [3.0, 0.1], &settings, &options)?;
-/// let time = return_time(&belt, [3.0, 0.1], &reached, 1e-3, &settings, &options)?;
-/// println!("on {} to 0.001 after {time:?}", reached.kind);
-/// assert!(time.unwrap() > 0.0);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-///
-/// # Errors
-/// [`Error::Option`] for a tolerance that is not positive, or so small that it takes more than
-/// 200 000 chords of the periodic orbit. Those of [`crate::Integration::new`].
-pub fn return_time<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x0: impl Components,
-    reached: &Attractor,
-    tolerance: f64,
-    settings: &RecurrenceSettings,
-    options: &Options,
-) -> Result<Option<f64>, Error> {
-    let is_allowed = tolerance > 0.0 && tolerance.is_finite();
-    require(is_allowed, "tolerance", tolerance, "positive and finite")?;
-    let (system, start) = (&*system.dynamics(), x0.vector());
-    let start = Moment { t: 0.0, x: start };
-    match (&reached.kind, settings.forcing, reached.points.first()) {
-        (AttractorKind::Periodic { returns, .. }, Some(period), Some(_)) => {
-            let returns = *returns;
-            let near = |at: &Moment| {
-                let number = (at.t / period).round() as usize;
-                let same_phase = reached.points.iter().find(|point| {
-                    (point.t / period).round() as usize % returns == number % returns
-                });
-                same_phase.is_some_and(|point| (&at.x - &point.x).norm() <= tolerance)
-            };
-            at_strobes(system, &start, (period, returns), near, settings, options)
+impl Attractor {
+    /// The time after which an orbit stays within a distance of the attractor that it reaches.
+    /// `None` where there is no such time within [`RecurrenceSettings::longest`]. Nor is there for
+    /// a motion that is neither an equilibrium nor periodic.
+    ///
+    /// `reached` is what [`crate::analysis::attractor`] finds from `x0` with the same settings. The
+    /// distance is Euclidean, in the units of the states. It is that to the equilibrium, or to the
+    /// curve of the periodic orbit, from which the orbit may be ahead or behind. It must stay small
+    /// through a period of the cycle. At an equilibrium it must stay small until it is a thousandth
+    /// of `tolerance`, or the error of the solver.
+    ///
+    /// In a system with a drive, states are compared with the attractor's at the same phase, at
+    /// whole periods of the drive.
+    ///
+    /// Mean and largest return times over random starts are measures of stability beside the share
+    /// of the basin (Menck, Heitzig, Marwan & Kurths, *Nature Physics* 9 (2013) 89; "convergence
+    /// times" of Attractors.jl).
+    ///
+    /// ```
+    #[doc = include_str!("../../../examples/common/belt.rs")]
+    /// use stickslip::Options;
+    /// use stickslip::analysis::{RecurrenceSettings, attractor};
+    ///
+    /// let belt = Belt { speed: 0.2 };
+    /// let (settings, options) = (RecurrenceSettings::within(500.0), Options::default());
+    /// let reached = attractor(&belt, [3.0, 0.1], &settings, &options)?;
+    /// let time = reached.return_time(&belt, [3.0, 0.1], 1e-3, &settings, &options)?;
+    /// println!("on {} to 0.001 after {time:?}", reached.kind);
+    /// assert!(time.unwrap() > 0.0);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a tolerance that is not positive, or so small that it takes more than
+    /// 200 000 chords of the periodic orbit. Those of [`crate::Integration::new`].
+    pub fn return_time<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        x0: impl Components,
+        tolerance: f64,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Option<f64>, Error> {
+        let is_allowed = tolerance > 0.0 && tolerance.is_finite();
+        require(is_allowed, "tolerance", tolerance, "positive and finite")?;
+        let (system, start) = (&*system.dynamics(), x0.vector());
+        let start = Moment { t: 0.0, x: start };
+        match (&self.kind, settings.forcing, self.points.first()) {
+            (AttractorKind::Periodic { returns, .. }, Some(period), Some(_)) => {
+                let returns = *returns;
+                let near = |at: &Moment| {
+                    let number = (at.t / period).round() as usize;
+                    let same_phase = self.points.iter().find(|point| {
+                        (point.t / period).round() as usize % returns == number % returns
+                    });
+                    same_phase.is_some_and(|point| (&at.x - &point.x).norm() <= tolerance)
+                };
+                at_strobes(system, &start, (period, returns), near, settings, options)
+            }
+            (AttractorKind::Periodic { period, .. }, None, Some(_)) => {
+                let cycle = Chords::of(system, self, *period, tolerance, options)?;
+                let stays = |_: f64, since: f64| since >= *period;
+                let distance = |x: &Vector| cycle.distance(x);
+                in_time(
+                    system,
+                    &start,
+                    (tolerance, settings),
+                    distance,
+                    stays,
+                    options,
+                )
+            }
+            (AttractorKind::Equilibrium | AttractorKind::EquilibriumSet, _, Some(point)) => {
+                let error = SOLVER_TOLERANCES * (options.largest_allowed(&point.x));
+                let enough = error.max(STAYS_WITHIN * tolerance);
+                let stays = |distance: f64, _: f64| distance <= enough;
+                let distance = |x: &Vector| (x - &point.x).norm();
+                in_time(
+                    system,
+                    &start,
+                    (tolerance, settings),
+                    distance,
+                    stays,
+                    options,
+                )
+            }
+            _ => Ok(None),
         }
-        (AttractorKind::Periodic { period, .. }, None, Some(_)) => {
-            let cycle = Chords::of(system, reached, *period, tolerance, options)?;
-            let stays = |_: f64, since: f64| since >= *period;
-            let distance = |x: &Vector| cycle.distance(x);
-            in_time(
-                system,
-                &start,
-                (tolerance, settings),
-                distance,
-                stays,
-                options,
-            )
-        }
-        (AttractorKind::Equilibrium | AttractorKind::EquilibriumSet, _, Some(point)) => {
-            let error = SOLVER_TOLERANCES * (options.largest_allowed(&point.x));
-            let enough = error.max(STAYS_WITHIN * tolerance);
-            let stays = |distance: f64, _: f64| distance <= enough;
-            let distance = |x: &Vector| (x - &point.x).norm();
-            in_time(
-                system,
-                &start,
-                (tolerance, settings),
-                distance,
-                stays,
-                options,
-            )
-        }
-        _ => Ok(None),
     }
 }
 
@@ -125,7 +127,7 @@ fn at_strobes(
 ) -> Result<Option<f64>, Error> {
     // A step must not pass over two strobe times.
     let options = options.longest_step(options.longest_step.min(0.5 * period));
-    let strobe = Section::Strobe(Strobe { first: 0.0, period });
+    let strobe = Section::Strobe { first: 0.0, period };
     let mut orbit = system.begin(start, settings.longest, &options, &[strobe])?;
     let mut since = near(start).then_some(0.0);
     loop {

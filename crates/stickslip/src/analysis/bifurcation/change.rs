@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use super::{NotFollowed, SweepPoint, WhatChanges, is_change};
+use super::{NotFollowed, SweepPoint, WhatChanges};
 use crate::analysis::attractors::equilibrium::newton_step_at;
 use crate::analysis::attractors::{Attractor, AttractorKind, shifts};
 use crate::analysis::continuation::{
-    Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation, Stop,
-    continue_equilibrium, is_led, same_attractor,
+    Continuation, ContinuationSettings, CycleBifurcation, EquilibriumBifurcation,
+    EquilibriumBranch, Stop, is_led, same_attractor,
 };
 use crate::analysis::cycle::StepBudget;
 use crate::dynamics::{Dynamics, DynamicsRef, Moment, Vector};
@@ -45,7 +45,7 @@ pub(super) fn locate(
     };
     let loops = ends.map(|end| loops(&end.reached, forcing.is_some()));
     let phases = ends.map(|end| &end.reached);
-    let is_quiet = !is_change(phases[0], phases[1]);
+    let is_quiet = !phases[0].is_changed_to(phases[1]);
     let (mut found, mut why_not) = ([LocatedChange::default(), LocatedChange::default()], None);
     // The orbit of fewer loops takes fewer steps, and may explain the other one.
     let are_orbits = loops.iter().all(|&loops| loops > 0);
@@ -189,7 +189,7 @@ fn equilibrium(
 ) -> Option<LocatedChange> {
     let x = extended(&from.reached.points.first()?.x, from.parameter);
     let system = DynamicsRef::Borrowed(system);
-    let branch = continue_equilibrium(&system, x, upwards, settings, options).ok()?;
+    let branch = EquilibriumBranch::through(&system, x, upwards, settings, options).ok()?;
     let Some(at) = branch.special.into_iter().next() else {
         let last = branch.points.last().map(|at| states(at.x.clone()));
         let at = &to.reached.points.first()?.x;
@@ -451,7 +451,7 @@ impl LocatedChange {
             // Attractors of the same phases are compared by where the branch leads, and a long step
             // may lead to the other one.
             step: match budget {
-                Some(_) if is_change(&from.reached, &to.reached) => LONGEST_STEP_WITHIN_BUDGET,
+                Some(_) if from.reached.is_changed_to(&to.reached) => LONGEST_STEP_WITHIN_BUDGET,
                 _ => LONGEST_STEP,
             },
             ..ContinuationSettings::over(here, there + NEXT_TO * (there - here))

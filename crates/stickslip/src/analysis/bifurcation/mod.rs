@@ -5,44 +5,14 @@ mod change;
 
 use std::fmt;
 
-use super::attractors::{
-    Attractor, AttractorKind, RecurrenceSettings, attractor_by_shooting, attractor_of,
-};
+use super::attractors::{Attractor, AttractorKind, RecurrenceSettings, attractor_of};
 use super::continuation::CycleBifurcation;
 use super::cycle::{SequenceChange, StepBudget};
 use super::lyapunov::{Exponent, SpectrumOptions, spectrum_of};
 use super::normal_form::Criticality;
-use crate::dynamics::{AsDynamics, Components, Dynamics, DynamicsRef, Moment, Vector};
+use crate::dynamics::{AsDynamics, Components, DynamicsRef, Moment, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
-
-/// Settings of a sweep.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SweepSettings {
-    /// Criterion by which an attractor is reached.
-    pub recurrence: RecurrenceSettings,
-    /// Settings for the largest Lyapunov exponent; without them it is not measured.
-    pub spectrum: Option<SpectrumOptions>,
-}
-
-impl SweepSettings {
-    /// The defaults with this longest time for each attractor. Exponents are not measured.
-    pub fn within(longest: f64) -> Self {
-        SweepSettings {
-            recurrence: RecurrenceSettings::within(longest),
-            spectrum: None,
-        }
-    }
-
-    /// Sets the period of the forcing.
-    #[must_use]
-    pub fn forced(self, period: f64) -> Self {
-        SweepSettings {
-            recurrence: self.recurrence.forced(period),
-            ..self
-        }
-    }
-}
 
 /// The result at one value of the parameter.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,7 +105,7 @@ pub enum WhatChanges {
         /// it is not determined, and of others.
         criticality: Option<Criticality>,
     },
-    /// The change was not followed to its place, to save work; see [`locate_changes_within`].
+    /// The change was not followed to its place, to save work; see [`locate_changes`].
     NotFollowed(NotFollowed),
     /// The change could not be located. The orbits on both sides continue through the interval, are
     /// not periodic, or do not converge.
@@ -247,19 +217,20 @@ impl WhatChanges {
 
 /// Follows an attractor through `parameters`, in the given order. Each run starts from the state
 /// reached at the previous value. `family` constructs the system for each parameter. An unstable
-/// periodic orbit is left as in [`super::attractor_by_shooting`].
+/// periodic orbit is left as in [`super::Attractor::by_shooting`]. With a second setting, the
+/// largest Lyapunov exponent is measured, too.
 ///
 /// [`locate_changes`] finds what happens between two values.
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
 /// use stickslip::Options;
-/// use stickslip::analysis::{SweepSettings, sweep};
+/// use stickslip::analysis::{RecurrenceSettings, sweep};
 ///
 /// let family = |speed| Belt { speed };
 /// let speeds = (0..5).map(|k| 0.2 + 0.05 * f64::from(k));
-/// let settings = SweepSettings::within(500.0);
-/// let found = sweep(family, speeds, [0.5, 0.1], &settings, &Options::default())?;
+/// let how = (&RecurrenceSettings::within(500.0), None);
+/// let found = sweep(family, speeds, [0.5, 0.1], how, &Options::default())?;
 /// for point in &found {
 ///     let (kind, in_stick) = (&point.reached.kind, point.reached.in_stick);
 ///     println!("{}: {kind}, {in_stick:.3} of the time in stick", point.parameter);
@@ -274,7 +245,7 @@ pub fn sweep<S: AsDynamics<Kind>, Kind>(
     family: impl Fn(f64) -> S,
     parameters: impl IntoIterator<Item = f64>,
     x0: impl Components,
-    settings: &SweepSettings,
+    settings: (&RecurrenceSettings, Option<&SpectrumOptions>),
     options: &Options,
 ) -> Result<Vec<SweepPoint>, Error> {
     let mut x = x0.vector();
@@ -290,17 +261,17 @@ fn point(
     system: &DynamicsRef<'_>,
     parameter: f64,
     x: &mut Vector,
-    settings: &SweepSettings,
+    (settings, spectrum): (&RecurrenceSettings, Option<&SpectrumOptions>),
     options: &Options,
 ) -> Result<SweepPoint, Error> {
-    let reached = attractor_of(&**system, x.clone(), &settings.recurrence, options)?;
-    let reached = attractor_by_shooting(system, reached, &settings.recurrence, options);
-    if let Some(next) = carried_on(&reached, &settings.recurrence) {
+    let reached = attractor_of(&**system, x.clone(), settings, options)?;
+    let reached = reached.by_shooting(system, settings, options);
+    if let Some(next) = reached.next_start(settings) {
         x.clone_from(next);
     }
-    let exponent = settings.spectrum.and_then(|spectrum| {
+    let exponent = spectrum.and_then(|spectrum| {
         let (t, x) = (0.0, x.clone());
-        let spectrum = spectrum_of(&**system, Moment { t, x }, &spectrum).ok()?;
+        let spectrum = spectrum_of(&**system, Moment { t, x }, spectrum).ok()?;
         spectrum.exponents.first().copied()
     });
     Ok(SweepPoint {
@@ -321,11 +292,15 @@ fn point(
 /// The tolerances of `options` bound the precision; 1e-13 is appropriate. Where a value of the
 /// sweep hits a change, they must resolve a millionth of the interval.
 ///
+/// With a budget, it takes about as many integration steps as that has. An orbit that would take
+/// more than are left is not followed. Nor is one of more than 8 loops next to a motion that is
+/// quasi-periodic, chaotic or undecided. What is left out is [`WhatChanges::NotFollowed`].
+///
 /// # Errors
 /// [`Error::Parameter`] where `system` does not have one state more than the systems of the sweep.
 ///
 /// ```
-/// use stickslip::analysis::{SweepSettings, WhatChanges, locate_changes, sweep};
+/// use stickslip::analysis::{RecurrenceSettings, WhatChanges, locate_changes, sweep};
 /// use stickslip::{Family, Options, Scalar, Side};
 ///
 /// /// A block on a belt, with damping 0.1 and friction that falls with the slip speed.
@@ -341,10 +316,10 @@ fn point(
 ///     }
 /// }
 ///
-/// let (at, settings) = (|speed| Belt.at([speed]), SweepSettings::within(3e3));
-/// let points = sweep(at, [1.3, 1.1], [0.55, 0.0], &settings, &Options::default())?;
+/// let (at, settings) = (|speed| Belt.at([speed]), RecurrenceSettings::within(3e3));
+/// let points = sweep(at, [1.3, 1.1], [0.55, 0.0], (&settings, None), &Options::default())?;
 /// let along = at(1.3).free([0])?;
-/// let found = locate_changes(&along, &points, None, &Options::tol(1e-13))?;
+/// let found = locate_changes(&along, &points, None, (&Options::tol(1e-13), None))?;
 /// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
 /// let WhatChanges::Equilibrium { parameter, .. } = found[0].what else { panic!() };
 /// assert!((parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);
@@ -354,38 +329,9 @@ pub fn locate_changes<Kind>(
     system: &impl AsDynamics<Kind>,
     points: &[SweepPoint],
     forcing: Option<f64>,
-    options: &Options,
+    within: (&Options, Option<&StepBudget>),
 ) -> Result<Vec<AttractorChange>, Error> {
-    located(&*system.dynamics(), points, forcing, (options, None))
-}
-
-/// [`locate_changes`] in about as many integration steps as the budget has. An orbit that would
-/// take more than are left is not followed. Nor is one of more than 8 loops next to a motion that
-/// is quasi-periodic, chaotic or undecided. What is left out is [`WhatChanges::NotFollowed`].
-///
-/// # Errors
-/// Those of [`locate_changes`].
-pub fn locate_changes_within<Kind>(
-    system: &impl AsDynamics<Kind>,
-    points: &[SweepPoint],
-    forcing: Option<f64>,
-    options: &Options,
-    budget: &StepBudget,
-) -> Result<Vec<AttractorChange>, Error> {
-    located(
-        &*system.dynamics(),
-        points,
-        forcing,
-        (options, Some(budget)),
-    )
-}
-
-fn located(
-    system: &dyn Dynamics,
-    points: &[SweepPoint],
-    forcing: Option<f64>,
-    (options, budget): (&Options, Option<&StepBudget>),
-) -> Result<Vec<AttractorChange>, Error> {
+    let system = &*system.dynamics();
     let mut of_pairs = Vec::new();
     for ends in points.windows(2) {
         let [one, other] = ends else { continue };
@@ -396,8 +342,7 @@ fn located(
                 bound: "one more than in the sweep: the parameter is the last",
             });
         }
-        let within = (options, budget);
-        if is_change(&one.reached, &other.reached)
+        if one.reached.is_changed_to(&other.reached)
             || !change::is_smooth(system, [one, other], forcing, within)
         {
             let between = (one.parameter, other.parameter);
@@ -408,31 +353,33 @@ fn located(
     Ok(AttractorChange::merged(of_pairs))
 }
 
-/// State from which a run at the next value of the parameter begins, as in [`sweep`]. It is `None`
-/// after an escape, a failure, or an end where the future is not unique.
-pub fn carried_on<'r>(reached: &'r Attractor, settings: &RecurrenceSettings) -> Option<&'r Vector> {
-    match reached.kind {
-        AttractorKind::Escape
-        | AttractorKind::Failure(_)
-        | AttractorKind::Repelling
-        | AttractorKind::TwoFold(_) => None,
-        // At a strobe time, where the next run begins, too.
-        _ if settings.forcing.is_some() => reached.points.last().map(|point| &point.x),
-        _ => Some(&reached.x),
+impl Attractor {
+    /// State from which a run at the next value of the parameter begins, as in [`sweep`]. It is
+    /// `None` after an escape, a failure, or an end where the future is not unique.
+    pub fn next_start(&self, settings: &RecurrenceSettings) -> Option<&Vector> {
+        match self.kind {
+            AttractorKind::Escape
+            | AttractorKind::Failure(_)
+            | AttractorKind::Repelling
+            | AttractorKind::TwoFold(_) => None,
+            // At a strobe time, where the next run begins, too.
+            _ if settings.forcing.is_some() => self.points.last().map(|point| &point.x),
+            _ => Some(&self.x),
+        }
     }
-}
 
-/// Whether two attractors at neighbouring values differ in kind, returns, phases, or the mode of an
-/// equilibrium. Others may have jumped: [`locate_changes`] compares them with the tangents of their
-/// branches.
-pub fn is_change(one: &Attractor, other: &Attractor) -> bool {
-    match (&one.kind, &other.kind) {
-        (
-            AttractorKind::Periodic { returns: p, .. },
-            AttractorKind::Periodic { returns: q, .. },
-        ) => p != q || !one.has_sequence_of(other),
-        // In slip or on the boundary.
-        (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => one.mode != other.mode,
-        (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),
+    /// Whether two attractors at neighbouring values differ in kind, returns, phases, or the mode
+    /// of an equilibrium. Others may have jumped: [`locate_changes`] compares them with the
+    /// tangents of their branches.
+    pub fn is_changed_to(&self, other: &Attractor) -> bool {
+        match (&self.kind, &other.kind) {
+            (
+                AttractorKind::Periodic { returns: p, .. },
+                AttractorKind::Periodic { returns: q, .. },
+            ) => p != q || !self.has_sequence_of(other),
+            // In slip or on the boundary.
+            (AttractorKind::Equilibrium, AttractorKind::Equilibrium) => self.mode != other.mode,
+            (one, other) => std::mem::discriminant(one) != std::mem::discriminant(other),
+        }
     }
 }

@@ -4,7 +4,7 @@
 
 use nalgebra::Complex;
 
-use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction};
+use crate::analysis::cycle::{LocatedZero, SolutionFunction, SolutionsOnLine};
 
 /// Halvings of a step in search of what its ends do not show. Chosen: bifurcations that are nearer
 /// to each other count as one.
@@ -136,7 +136,7 @@ pub(super) struct Crossed<S> {
 pub(super) type OnLine<'s, S> = (f64, &'s S, Eigenvalues);
 
 /// The solutions on a line, with their eigenvalues.
-pub(super) trait Spectra: Path {
+pub(super) trait Spectra: SolutionsOnLine {
     /// The eigenvalues of a solution, with the least uncertainty that they may have.
     fn spectrum(&self, solution: &Self::Solution) -> Option<Eigenvalues>;
 

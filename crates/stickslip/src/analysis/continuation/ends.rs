@@ -3,7 +3,7 @@
 
 use super::steps::Continuation;
 use super::tangent_line::TangentLine;
-use super::{EquilibriumBifurcation, Stop, continue_equilibrium, parameter_of, with_parameter};
+use super::{EquilibriumBifurcation, EquilibriumBranch, Stop, parameter_of, with_parameter};
 use crate::analysis::attractors::equilibrium::{equilibrium_near, least_guard};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{Cycle, MarginKind, Shooting, error_of, resolved};
@@ -18,7 +18,7 @@ use crate::filippov::Options;
 const SHRUNK: f64 = 0.04;
 
 /// Extent below which a driven orbit may be about to come to rest, as a fraction of the widest
-/// one's. Chosen: it is what the end [`Stop::Rest`] says.
+/// one's. Chosen: it is what the end [`Stop::HeldByFriction`] says.
 const AT_REST: f64 = 1e-3;
 
 /// Distance below which two orbits at one parameter are the same, as a fraction of the extent.
@@ -51,7 +51,7 @@ impl Continuation<'_> {
         }
         if self.settings.forced.is_some() {
             let rests = extent < AT_REST * self.branch.widest && self.rests_further_on();
-            return rests.then_some(Stop::Rest);
+            return rests.then_some(Stop::HeldByFriction);
         }
         let end = self.boundary_equilibrium();
         if end.is_some() {
@@ -202,7 +202,7 @@ impl Continuation<'_> {
         let system = DynamicsRef::Borrowed(system);
         let branch = |upwards| {
             let x = self.branch.last.anchor.x.clone();
-            continue_equilibrium(&system, x, upwards, self.settings, options).ok()
+            EquilibriumBranch::through(&system, x, upwards, self.settings, options).ok()
         };
         let special = [false, true].into_iter().filter_map(branch);
         let special = special.flat_map(|branch| branch.special);

@@ -14,7 +14,7 @@ use super::tangent_line::LEAST_COSINE;
 use super::{ContinuationSettings, CurveStop, check_rate, check_start};
 use crate::analysis::attractors::equilibrium::ZERO;
 use crate::analysis::critical::RESOLVED_PLACE;
-use crate::analysis::cycle::{Path, unit, with_last_digits};
+use crate::analysis::cycle::{SolutionsOnLine, unit, with_last_digits};
 use crate::dynamics::{AsDynamics, Modes, Moment, Vector};
 use crate::error::{Error, require};
 
@@ -95,122 +95,128 @@ pub struct EquilibriumCurve {
     pub stops: [CurveStop; 2],
 }
 
-/// Follows in two parameters a fold, a Hopf bifurcation or a boundary equilibrium of a branch.
-///
-/// **The parameters are the last two states.** The last is the branch parameter, as in
-/// [`super::continue_equilibrium`]; the other has the value `other` on the branch, and a range.
-/// In the plane across the curve, equilibria form a branch. The function that vanishes at the
-/// special equilibrium has a zero on it. At a fold it is the determinant of the Jacobian. At a Hopf
-/// bifurcation it is the sum of a pair of eigenvalues, and at a boundary equilibrium a guard of the
-/// mode. So curves pass their own folds, and curves of folds pass cusps. `sizes` are those of the
-/// states, [`super::EquilibriumBranch::sizes`], in whose units steps are measured.
-///
-/// # Errors
-/// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last two
-/// states are no parameters; [`Error::NotFound`] where no curve continues from the equilibrium: a
-/// branch point has none.
-///
-/// ```
-/// use stickslip::analysis::{
-///     ContinuationSettings, EquilibriumCurveBifurcation, continue_equilibrium,
-///     continue_special_equilibrium,
-/// };
-/// use stickslip::{Filippov, Options, Scalar, Side};
-///
-/// /// x' = p + q x - x³ has folds at 27 p² = 4 q³, which meet in a cusp.
-/// struct Cusp<const N: usize>;
-/// impl<const N: usize> Filippov<N> for Cusp<N> {
-///     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; N]) -> [T; N] {
-///         let q = if N == 3 { x[1] } else { T::constant(1.0) };
-///         let mut rate = [T::constant(0.0); N];
-///         rate[0] = x[N - 1] + q * x[0] - x[0] * x[0] * x[0];
-///         rate
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; N]) -> T {
-///         x[0] - 10.0
-///     }
-/// }
-///
-/// let settings = ContinuationSettings::over(-1.0, 1.0);
-/// let options = Options::tol(1e-12);
-/// let branch = continue_equilibrium(&Cusp::<2>, [1.0, 0.0], false, &settings, &options)?;
-/// let how = (&settings, (-1.0, 2.0));
-/// let at = &branch.special[0];
-/// let curve = continue_special_equilibrium(&Cusp::<3>, at, (1.0, &branch.sizes), how)?;
-/// assert_eq!(curve.special[0].what, EquilibriumCurveBifurcation::Cusp);
-/// for point in &curve.points {
-///     let [q, p] = point.parameters;
-///     assert!((27.0 * p * p - 4.0 * q * q * q).abs() < 1e-11);
-/// }
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-pub fn continue_special_equilibrium<Kind>(
-    system: &impl AsDynamics<Kind>,
-    at: &SpecialEquilibrium,
-    (other, sizes): (f64, &Vector),
-    (settings, range): (&ContinuationSettings, (f64, f64)),
-) -> Result<EquilibriumCurve, Error> {
-    settings.check()?;
-    ContinuationSettings::over(range.0, range.1).check()?;
-    let system = &*system.dynamics();
-    let place = at.x.len() - 1;
-    let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
-    let is_size = sizes.len() == place && least > 0.0 && sizes.amax() < f64::INFINITY;
-    require(
-        is_size,
-        "sizes",
-        least,
-        "positive and finite, one for each state",
-    )?;
-    let x = at.x.clone().insert_row(place, other);
-    check_start(&x, 2, settings)?;
-    let begin = Moment { t: 0.0, x };
-    let velocity = system.flow(at.mode, &begin).velocity(&begin);
-    check_rate(velocity[place])?;
-    check_rate(velocity[place + 1])?;
-    let not_found = Error::NotFound {
-        what: "a curve of the special equilibrium",
-        t: 0.0,
-        span: 0.0,
-    };
-    let condition = match at.what {
-        EquilibriumBifurcation::Fold => Some(Condition::Fold),
-        EquilibriumBifurcation::Hopf { frequency } => Some(Condition::Pair(frequency * frequency)),
-        EquilibriumBifurcation::Boundary { contact, .. } => {
-            let flow = system.flow(at.mode, &begin);
-            let guards = flow.guards().into_iter();
-            let guards = guards.filter(|guard| guard.is_condition && guard.contact == contact);
-            let values = guards.map(|guard| (guard.number, flow.guard(guard.number, &begin).abs()));
-            let least = values.min_by(|a, b| a.1.total_cmp(&b.1));
-            least.map(|(number, _)| Condition::Guard(number))
-        }
-        EquilibriumBifurcation::BranchPoint | EquilibriumBifurcation::Unresolved { .. } => None,
-    };
-    let condition = condition.ok_or(not_found.clone())?;
-    let largest = sizes.amax();
-    let mut units = sizes.clone().resize_vertically(place + 2, largest);
-    units[place] = range.1 - range.0;
-    units[place + 1] = settings.range.1 - settings.range.0;
-    let curve = CurveOfEquilibria {
-        of: EquilibriumContinuation {
-            system,
-            settings,
-            units,
-            largest,
-            parameters: 2,
-        },
-        mode: at.mode,
-        ranges: [range, settings.range],
-    };
-    let first = curve.first(&begin.x, condition).ok_or(not_found)?;
-    let whole = follow_both_ways(&curve, &first, first.point());
-    Ok(EquilibriumCurve {
-        at: at.clone(),
-        points: whole.points,
-        special: whole.special,
-        first: whole.first,
-        stops: whole.stops,
-    })
+impl SpecialEquilibrium {
+    /// Follows in two parameters a fold, a Hopf bifurcation or a boundary equilibrium of a branch.
+    ///
+    /// **The parameters are the last two states.** The last is the branch parameter, as in
+    /// [`super::EquilibriumBranch::through`]; the other has the value `other` on the branch, and a
+    /// range. In the plane across the curve, equilibria form a branch. The function that vanishes
+    /// at the special equilibrium has a zero on it. At a fold it is the determinant of the
+    /// Jacobian. At a Hopf bifurcation it is the sum of a pair of eigenvalues, and at a boundary
+    /// equilibrium a guard of the mode. So curves pass their own folds, and curves of folds pass
+    /// cusps. `sizes` are those of the states, [`super::EquilibriumBranch::sizes`], in whose units
+    /// steps are measured.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last two
+    /// states are no parameters; [`Error::NotFound`] where no curve continues from the equilibrium:
+    /// a branch point has none.
+    ///
+    /// ```
+    /// use stickslip::analysis::{
+    ///     ContinuationSettings, EquilibriumBranch, EquilibriumCurveBifurcation,
+    /// };
+    /// use stickslip::{Filippov, Options, Scalar, Side};
+    ///
+    /// /// x' = p + q x - x³ has folds at 27 p² = 4 q³, which meet in a cusp.
+    /// struct Cusp<const N: usize>;
+    /// impl<const N: usize> Filippov<N> for Cusp<N> {
+    ///     fn field<T: Scalar>(&self, _side: Side, _t: T, x: &[T; N]) -> [T; N] {
+    ///         let q = if N == 3 { x[1] } else { T::constant(1.0) };
+    ///         let mut rate = [T::constant(0.0); N];
+    ///         rate[0] = x[N - 1] + q * x[0] - x[0] * x[0] * x[0];
+    ///         rate
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; N]) -> T {
+    ///         x[0] - 10.0
+    ///     }
+    /// }
+    ///
+    /// let settings = ContinuationSettings::over(-1.0, 1.0);
+    /// let options = Options::tol(1e-12);
+    /// let start = [1.0, 0.0];
+    /// let branch = EquilibriumBranch::through(&Cusp::<2>, start, false, &settings, &options)?;
+    /// let how = (&settings, (-1.0, 2.0));
+    /// let at = &branch.special[0];
+    /// let curve = at.curve(&Cusp::<3>, (1.0, &branch.sizes), how)?;
+    /// assert_eq!(curve.special[0].what, EquilibriumCurveBifurcation::Cusp);
+    /// for point in &curve.points {
+    ///     let [q, p] = point.parameters;
+    ///     assert!((27.0 * p * p - 4.0 * q * q * q).abs() < 1e-11);
+    /// }
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    pub fn curve<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        (other, sizes): (f64, &Vector),
+        (settings, range): (&ContinuationSettings, (f64, f64)),
+    ) -> Result<EquilibriumCurve, Error> {
+        settings.check()?;
+        ContinuationSettings::over(range.0, range.1).check()?;
+        let system = &*system.dynamics();
+        let place = self.x.len() - 1;
+        let least = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+        let is_size = sizes.len() == place && least > 0.0 && sizes.amax() < f64::INFINITY;
+        require(
+            is_size,
+            "sizes",
+            least,
+            "positive and finite, one for each state",
+        )?;
+        let x = self.x.clone().insert_row(place, other);
+        check_start(&x, 2, settings)?;
+        let begin = Moment { t: 0.0, x };
+        let velocity = system.flow(self.mode, &begin).velocity(&begin);
+        check_rate(velocity[place])?;
+        check_rate(velocity[place + 1])?;
+        let not_found = Error::NotFound {
+            what: "a curve of the special equilibrium",
+            t: 0.0,
+            span: 0.0,
+        };
+        let condition = match self.what {
+            EquilibriumBifurcation::Fold => Some(Condition::Fold),
+            EquilibriumBifurcation::Hopf { frequency } => {
+                Some(Condition::Pair(frequency * frequency))
+            }
+            EquilibriumBifurcation::Boundary { contact, .. } => {
+                let flow = system.flow(self.mode, &begin);
+                let guards = flow.guards().into_iter();
+                let guards = guards.filter(|guard| guard.is_condition && guard.contact == contact);
+                let values =
+                    guards.map(|guard| (guard.number, flow.guard(guard.number, &begin).abs()));
+                let least = values.min_by(|a, b| a.1.total_cmp(&b.1));
+                least.map(|(number, _)| Condition::Guard(number))
+            }
+            EquilibriumBifurcation::BranchPoint | EquilibriumBifurcation::Unresolved { .. } => None,
+        };
+        let condition = condition.ok_or(not_found.clone())?;
+        let largest = sizes.amax();
+        let mut units = sizes.clone().resize_vertically(place + 2, largest);
+        units[place] = range.1 - range.0;
+        units[place + 1] = settings.range.1 - settings.range.0;
+        let curve = CurveOfEquilibria {
+            of: EquilibriumContinuation {
+                system,
+                settings,
+                units,
+                largest,
+                parameters: 2,
+            },
+            mode: self.mode,
+            ranges: [range, settings.range],
+        };
+        let first = curve.first(&begin.x, condition).ok_or(not_found)?;
+        let whole = follow_both_ways(&curve, &first, first.point());
+        Ok(EquilibriumCurve {
+            at: self.clone(),
+            points: whole.points,
+            special: whole.special,
+            first: whole.first,
+            stops: whole.stops,
+        })
+    }
 }
 
 impl SpecialOnCurve for EquilibriumCurveSpecial {
@@ -308,7 +314,7 @@ struct OnCurve<'l> {
     which: usize,
 }
 
-impl Path for OnCurve<'_> {
+impl SolutionsOnLine for OnCurve<'_> {
     type Solution = CurveEquilibrium;
 
     fn on(&self, place: f64) -> Option<CurveEquilibrium> {

@@ -28,21 +28,16 @@ use super::stability::Stability;
 use crate::dynamics::{AsDynamics, Components, Modes, Vector};
 use crate::error::{Error, require};
 use crate::filippov::Options;
-pub use curve::{
-    Curve, CurveBifurcation, CurvePoint, CurveSpecialPoint, CurveStop, continue_change,
-    continue_end,
-};
+pub use curve::{Curve, CurveBifurcation, CurvePoint, CurveSpecialPoint, CurveStop};
 pub(super) use ends::{is_led, same_attractor};
 pub use equilibrium::{
     EquilibriumBifurcation, EquilibriumBranch, EquilibriumPoint, SpecialEquilibrium,
-    continue_equilibrium,
 };
 pub use equilibrium_curve::{
     EquilibriumCurve, EquilibriumCurveBifurcation, EquilibriumCurvePoint, EquilibriumCurveSpecial,
-    continue_special_equilibrium,
 };
 pub(super) use steps::Continuation;
-pub use switching::{SwitchedBranch, switch_branches, switch_branches_to};
+pub use switching::SwitchedBranch;
 use tangent_line::{TangentLine, Units};
 
 /// The range and the step sizes of a continuation.
@@ -246,7 +241,8 @@ pub enum Stop {
     },
     /// The orbit of a driven system comes to rest: its motion is below a thousandth of the widest
     /// one's on the branch. One step farther, friction holds it all the time.
-    Rest,
+    #[cfg_attr(feature = "serde", serde(rename = "Rest"))]
+    HeldByFriction,
     /// The orbit approaches a saddle and its period grows. It becomes a homoclinic orbit, or with
     /// several saddles a heteroclinic cycle, and the branch ends.
     Homoclinic {

@@ -6,7 +6,7 @@ use super::steps::{Continuation, RESOLUTION};
 use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, parameter_of, with_parameter};
 use crate::analysis::cycle::{
-    Cycle, LocatedZero, Margin, MarginKind, Outline, Path, SAFETY, Shooting, describe,
+    Cycle, LocatedZero, Margin, MarginKind, OrbitGuess, SAFETY, Shooting, SolutionsOnLine, describe,
 };
 use crate::analysis::passages::passages;
 use crate::dynamics::{Moment, Vector};
@@ -123,7 +123,7 @@ impl Continuation<'_> {
         steps.find_map(|step| {
             let beyond = line.on(&self.shooting, at.s + step)?;
             let outline = self.run_from(&beyond)?;
-            let phases = |one: &Outline| (one.modes(), one.kinks());
+            let phases = |one: &OrbitGuess| (one.modes(), one.kinks());
             (phases(&outline) != phases(&self.branch.last.outline))
                 .then(|| self.enter(&outline, at.parameter))
                 .flatten()
@@ -133,7 +133,7 @@ impl Continuation<'_> {
     /// The orbit near an outline with other phases, and the line on which the branch goes on from
     /// it. Along the line the shortest segment grows, or else the parameter moves away from the
     /// change.
-    fn enter(&self, outline: &Outline, change: f64) -> Option<(Cycle, TangentLine)> {
+    fn enter(&self, outline: &OrbitGuess, change: f64) -> Option<(Cycle, TangentLine)> {
         let n = outline.begin.x.len();
         let durations = || outline.segments.iter().map(|one| one.duration);
         let longest = durations().fold(0.0, f64::max);
@@ -169,14 +169,14 @@ impl Continuation<'_> {
     }
 
     /// The system's own orbit over one period, from a state that need not be on a periodic orbit.
-    fn run_from(&self, orbit: &Cycle) -> Option<Outline> {
+    fn run_from(&self, orbit: &Cycle) -> Option<OrbitGuess> {
         let (system, options) = (self.shooting.system, self.shooting.options);
         let start = &orbit.anchor;
         let period = match self.shooting.prescribed(&start.x) {
             Some((period, _)) => period,
             None => self.return_time(start, orbit).unwrap_or(orbit.period),
         };
-        Outline::of_run(system, start, period, options).ok()
+        OrbitGuess::of_run(system, start, period, options).ok()
     }
 
     /// The time after which an orbit first returns to near one of its states.
@@ -358,7 +358,7 @@ impl Continuation<'_> {
 
     /// Error of integration of an orbit's parameter, where the product of the unknowns with a row
     /// has a given value.
-    fn error_of_steps(&self, orbit: &Cycle, guess: &Outline, row: (&Vector, f64)) -> f64 {
+    fn error_of_steps(&self, orbit: &Cycle, guess: &OrbitGuess, row: (&Vector, f64)) -> f64 {
         let finer = self.shooting.finer().solve(guess, Some(row));
         finer.map_or(f64::NAN, |finer| {
             SAFETY * (parameter_of(&finer) - parameter_of(orbit)).abs()

@@ -12,7 +12,7 @@ pub(super) const FIRST_STEP: f64 = 0.1;
 /// diverges does so from farther away as well.
 pub(super) const SHORTER: f64 = 0.3;
 
-/// What a step of a continuation has come to.
+/// Outcome of a step of a continuation.
 pub(super) enum StepOutcome<End> {
     /// A solution, over a step of this length in so many iterations.
     Found { length: f64, iterations: usize },

@@ -8,7 +8,7 @@ use super::{
     Branch, BranchPoint, ContinuationSettings, CycleBifurcation, PartialBranch, SpecialPoint, Stop,
     check_rate, check_start, critical, parameter_of,
 };
-use crate::analysis::cycle::{Cycle, LocatedZero, Margin, Outline, Shooting, StepBudget};
+use crate::analysis::cycle::{Cycle, LocatedZero, Margin, OrbitGuess, Shooting, StepBudget};
 use crate::analysis::normal_form::{CriticalPair, NormalForm, ReturnMap};
 use crate::analysis::periodic::why_not_found;
 use crate::dynamics::{Dynamics, Modes, Moment, Vector, run};
@@ -82,7 +82,7 @@ impl<'a> Continuation<'a> {
         let states = start.x.len() - parameters;
         let (low, high) = settings.range;
         let value = start.x[last];
-        let outline = Outline::of_run(system, &start, period, options)?;
+        let outline = OrbitGuess::of_run(system, &start, period, options)?;
         for segment in &outline.segments {
             let flow = system.flow(segment.mode, &segment.inside);
             let rates = flow.velocity(&segment.inside);

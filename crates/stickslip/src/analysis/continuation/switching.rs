@@ -46,56 +46,45 @@ impl SwitchedBranch {
     }
 }
 
-/// Follows the branches that begin at a flip or branch point, by its number counted from 0, on the
-/// branch of the periodic orbit near `x`.
-///
-/// At a branch point, the equations of the orbit have two tangents; at a flip, those of the orbit
-/// traversed twice do. The tangent across the given branch leads to the other one (Keller 1977;
-/// Govaerts 2000, Ch. 9).
-///
-/// # Errors
-/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
-/// point, or no other branch was found there.
-pub fn switch_branches<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    (period, upwards, number): (f64, bool, usize),
-    settings: &ContinuationSettings,
-    options: &Options,
-) -> Result<SwitchedBranch, Error> {
-    let settings = (settings, NonZeroUsize::MIN);
-    switch_branches_to(system, x, (period, upwards, number), settings, options)
-}
-
-/// [`switch_branches`], and the flips of these branches in turn, to a depth: at 1 there are only
-/// these branches, at 2 those of four times the period, too. A branch that ends in another flip of
-/// the same branch is followed from one of both.
-///
-/// # Errors
-/// Those of [`switch_branches`].
-pub fn switch_branches_to<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    (period, upwards, number): (f64, bool, usize),
-    (settings, depth): (&ContinuationSettings, NonZeroUsize),
-    options: &Options,
-) -> Result<SwitchedBranch, Error> {
-    settings.check()?;
-    let system = &*system.dynamics();
-    let start = (x.vector(), period, upwards);
-    let mut continuation = Continuation::begin(system, start, settings, (None, options), None)?;
-    let is_wanted = |what: &CycleBifurcation| {
-        matches!(what, CycleBifurcation::Flip | CycleBifurcation::BranchPoint)
-    };
-    let not_found = |what| Error::NotFound {
-        what,
-        t: 0.0,
-        span: period,
-    };
-    let junction = continuation.seek(is_wanted, number);
-    let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
-    let from = (continuation.shooting, &continuation.branch.units);
-    switched(from, settings, junction, depth.get()).map_err(not_found)
+impl SwitchedBranch {
+    /// Follows the branches that begin at a flip or branch point, by its number counted from 0, on
+    /// the branch of the periodic orbit near `x`.
+    ///
+    /// At a branch point, the equations of the orbit have two tangents; at a flip, those of the
+    /// orbit traversed twice do. The tangent across the given branch leads to the other one (Keller
+    /// 1977; Govaerts 2000, Ch. 9).
+    ///
+    /// The flips of these branches are followed in turn, to a depth: at 1 there are only these
+    /// branches, at 2 those of four times the period, too. A branch that ends in another flip of
+    /// the same branch is followed from one of both.
+    ///
+    /// # Errors
+    /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no
+    /// such point, or no other branch was found there.
+    pub fn of_special<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        (period, upwards, number): (f64, bool, usize),
+        (settings, depth): (&ContinuationSettings, NonZeroUsize),
+        options: &Options,
+    ) -> Result<SwitchedBranch, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let start = (x.vector(), period, upwards);
+        let mut continuation = Continuation::begin(system, start, settings, (None, options), None)?;
+        let is_wanted = |what: &CycleBifurcation| {
+            matches!(what, CycleBifurcation::Flip | CycleBifurcation::BranchPoint)
+        };
+        let not_found = |what| Error::NotFound {
+            what,
+            t: 0.0,
+            span: period,
+        };
+        let junction = continuation.seek(is_wanted, number);
+        let junction = junction.ok_or(not_found("a flip or branch point on the branch"))?;
+        let from = (continuation.shooting, &continuation.branch.units);
+        switched(from, settings, junction, depth.get()).map_err(not_found)
+    }
 }
 
 /// The branches that begin at a special orbit.

@@ -1,7 +1,7 @@
 //! The tangent of a branch, along which the next orbit is sought.
 
 use super::parameter_of;
-use crate::analysis::cycle::{Cycle, Outline, Path, Shooting, resolved};
+use crate::analysis::cycle::{Cycle, OrbitGuess, Shooting, SolutionsOnLine, resolved};
 use crate::dynamics::Vector;
 
 /// The line through an orbit along which the next one is sought. Newton's iteration stays in a
@@ -10,7 +10,7 @@ use crate::dynamics::Vector;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct TangentLine {
     /// The orbit at which it begins.
-    pub from: Outline,
+    pub from: OrbitGuess,
     /// Changes of the unknowns for a step of length 1.
     pub direction: Vector,
     /// The plane across the line, on which its product with the unknowns is constant.
@@ -193,13 +193,13 @@ impl TangentLine {
     }
 
     /// The point at a place on it.
-    pub fn guess(&self, s: f64) -> Outline {
+    pub fn guess(&self, s: f64) -> OrbitGuess {
         self.from
             .with(&(self.from.unknowns() + &self.direction * s))
     }
 
     /// The plane across it at a place: an outline in it, and its product with the unknowns.
-    pub fn plane(&self, shooting: &Shooting<'_>, s: f64) -> Option<(Outline, f64)> {
+    pub fn plane(&self, shooting: &Shooting<'_>, s: f64) -> Option<(OrbitGuess, f64)> {
         let guess = self.guess(s);
         let value = self.row.dot(&guess.unknowns());
         let lasts = shooting.lasts(&guess, guess.period());
@@ -242,7 +242,7 @@ pub(super) struct Orbits<'l> {
     shooting: &'l Shooting<'l>,
 }
 
-impl Path for Orbits<'_> {
+impl SolutionsOnLine for Orbits<'_> {
     type Solution = Cycle;
 
     fn on(&self, place: f64) -> Option<Cycle> {

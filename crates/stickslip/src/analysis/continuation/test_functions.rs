@@ -8,7 +8,7 @@ use super::tangent_line::TangentLine;
 use super::{CycleBifurcation, Stop, critical, parameter_of};
 use crate::analysis::critical::zero_between;
 use crate::analysis::cycle::{
-    Cycle, LocatedZero, Path, SAFETY, Shooting, SolutionFunction, with_last_digits,
+    Cycle, LocatedZero, SAFETY, Shooting, SolutionFunction, SolutionsOnLine, with_last_digits,
 };
 use crate::analysis::lagrange::weights;
 use crate::analysis::multipliers::{eigenvalues, uncertainties};
@@ -22,7 +22,7 @@ struct Multipliers<'l, 'a> {
     line: &'l TangentLine,
 }
 
-impl Path for Multipliers<'_, '_> {
+impl SolutionsOnLine for Multipliers<'_, '_> {
     type Solution = Cycle;
 
     fn on(&self, place: f64) -> Option<Cycle> {

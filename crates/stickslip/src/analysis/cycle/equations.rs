@@ -2,7 +2,7 @@
 
 use super::jacobian::{Jacobian, Part, Row};
 use super::pieces::{FlowDerivative, Piece};
-use super::{Outline, Segment, SegmentKind, Shooting, ULPS, unit};
+use super::{OrbitGuess, Segment, SegmentKind, Shooting, ULPS, unit};
 use crate::dynamics::{Matrix, Moment, Vector};
 use crate::filippov::Options;
 use crate::math::product;
@@ -14,7 +14,7 @@ type Equation = (f64, Row, f64);
 /// Parts assembled from the segments before the present moment.
 struct Assembly<'a> {
     shooting: &'a Shooting<'a>,
-    outline: &'a Outline,
+    outline: &'a OrbitGuess,
     options: &'a Options,
     at: Moment,
     /// The derivatives of state and time by the state and the time with which the present piece
@@ -184,8 +184,8 @@ impl Shooting<'_> {
     /// transitions does not move along the flow.
     pub(super) fn equations(
         &self,
-        outline: &Outline,
-        guess: &Outline,
+        outline: &OrbitGuess,
+        guess: &OrbitGuess,
         options: &Options,
     ) -> Option<ShootingEquations> {
         let n = outline.begin.x.len();

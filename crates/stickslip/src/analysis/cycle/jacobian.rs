@@ -1,7 +1,7 @@
 //! The derivative of an orbit's equations by the unknowns, as a chain. The equations of a piece
 //! depend on the states at its ends, on its duration, and on the time at which it begins.
 
-use super::{Outline, unit};
+use super::{OrbitGuess, unit};
 use crate::analysis::elimination::{Determinant, Elimination, SparseRow, orthonormal, singular};
 use crate::dynamics::Vector;
 
@@ -45,7 +45,7 @@ pub(crate) struct Jacobian {
     /// Number of components of a state.
     components: usize,
     /// Number of unknowns: the state at the beginning, the durations, the time at the beginning and
-    /// the states at the cuts, as in [`Outline::unknowns`].
+    /// the states at the cuts, as in [`OrbitGuess::unknowns`].
     unknowns: usize,
     /// The parts in their order.
     parts: Vec<Part>,
@@ -60,7 +60,7 @@ const SHORT_SPAN: usize = 2;
 
 impl Jacobian {
     pub(super) fn new(
-        outline: &Outline,
+        outline: &OrbitGuess,
         (parts, rows): (Vec<Part>, Vec<Row>),
         unchanged: Vec<[usize; 2]>,
     ) -> Self {

@@ -1,7 +1,7 @@
 //! Margins: how far a periodic orbit is from each change of its phases.
 
 use super::pieces::Piece;
-use super::{Outline, SegmentKind, closeness};
+use super::{OrbitGuess, SegmentKind, closeness};
 use crate::dynamics::{Comparison, Dynamics, Modes, Moment, instant};
 use crate::filippov::Options;
 use crate::system::{Mode, Side};
@@ -44,7 +44,7 @@ pub(crate) struct Margin {
     pub value: f64,
     /// Typical size of the function on this orbit.
     pub scale: f64,
-    /// What the error of the orbit's states makes of a guard's value; 0 for other functions.
+    /// Error of a guard's value by that of the orbit's states; 0 for other functions.
     pub error: f64,
     /// The mode before the change.
     pub incoming: Modes,
@@ -92,7 +92,7 @@ pub(super) fn rates(
 /// that of the states.
 pub(super) fn at_events(
     system: &dyn Dynamics,
-    outline: &Outline,
+    outline: &OrbitGuess,
     pieces: &[Piece],
     error: f64,
 ) -> Vec<Margin> {
@@ -190,7 +190,8 @@ pub(super) fn at_events(
         if let (Mode::Slip(side), false) = (before.mode.get(begin.contact), begin.is_of_contact) {
             let stuck = system.flow(before.mode.with(begin.contact, Mode::Stick), at);
             let guards = stuck.guards().into_iter();
-            let own = guards.filter(|guard| guard.contact == begin.contact && !guard.goes_on);
+            let own =
+                guards.filter(|guard| guard.contact == begin.contact && !guard.continues_phase);
             let values = own.map(|guard| stuck.guard(guard.number, at));
             // Positive where it would stick.
             let least = values.min_by(f64::total_cmp).unwrap_or(f64::NAN);

@@ -5,7 +5,7 @@ use numerics::bisect;
 
 use super::margin::{Margin, MarginKind, at_events};
 use super::pieces::Piece;
-use super::{Outline, SegmentKind, Shooting, closeness};
+use super::{OrbitGuess, SegmentKind, Shooting, closeness};
 use crate::dynamics::{Dynamics, Guard, Moment};
 use crate::filippov::{Direction, Options};
 
@@ -72,7 +72,12 @@ impl Least {
 impl Shooting<'_> {
     /// The margins of the orbit to each change of its phases.
     /// `error` is that of its states.
-    pub(super) fn margins(&self, outline: &Outline, pieces: &[Piece], error: f64) -> Vec<Margin> {
+    pub(super) fn margins(
+        &self,
+        outline: &OrbitGuess,
+        pieces: &[Piece],
+        error: f64,
+    ) -> Vec<Margin> {
         let mut margins = minima((self.system, self.states), outline, pieces, self.options);
         for margin in &mut margins {
             self.refine(outline, pieces, margin);
@@ -84,7 +89,7 @@ impl Shooting<'_> {
 
     /// Computes a minimum by a step that ends there: within a step, the error is larger than at its
     /// ends.
-    fn refine(&self, outline: &Outline, pieces: &[Piece], margin: &mut Margin) {
+    fn refine(&self, outline: &OrbitGuess, pieces: &[Piece], margin: &mut Margin) {
         let MarginKind::Minimum(guard) = margin.kind else {
             return;
         };
@@ -110,7 +115,7 @@ impl Shooting<'_> {
 /// contact. Their errors are per error of the states, whose number is given.
 fn minima(
     (system, states): (&dyn Dynamics, usize),
-    outline: &Outline,
+    outline: &OrbitGuess,
     pieces: &[Piece],
     options: &Options,
 ) -> Vec<Margin> {
@@ -347,7 +352,7 @@ fn minima(
                     contact,
                     other,
                     at,
-                    is_contact_function: guard.goes_on,
+                    is_contact_function: guard.continues_phase,
                     is_of_jump: guard.is_of_jump,
                     is_reaction: guard.is_reaction,
                 });

@@ -24,10 +24,12 @@ use crate::dynamics::{Dynamics, Matrix, Moment, Vector};
 use crate::filippov::Options;
 pub(super) use jacobian::Jacobian;
 pub(super) use margin::{Margin, MarginKind};
-pub(super) use outline::Outline;
+pub(super) use outline::OrbitGuess;
 pub(super) use outline::SegmentEnd;
-use outline::{Cut, Segment, SegmentKind, segment_to_cut};
-pub(super) use path::{AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, with_last_digits};
+use outline::{Segment, SegmentKind, ShootingNodes, segment_to_cut};
+pub(super) use path::{
+    AT_ZERO, LocatedZero, SAFETY, SolutionFunction, SolutionsOnLine, with_last_digits,
+};
 use pieces::across;
 pub(super) use sequence_change::describe;
 pub use sequence_change::{SequenceBifurcation, SequenceChange};
@@ -89,7 +91,7 @@ pub(crate) fn unit(count: usize, place: usize) -> Vector {
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct Cycle {
-    pub outline: Outline,
+    pub outline: OrbitGuess,
     /// Start of each segment.
     pub begins: Vec<Moment>,
     pub period: f64,
@@ -121,7 +123,7 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    /// Directions of the states, a column for each of [`Cycle::monodromy`]: the axes or, in an
+    /// Directions of the states, a column for each of [`Cycle::Monodromy::of`]: the axes or, in an
     /// autonomous system, a basis across the flow.
     pub fn directions(&self, system: &dyn Dynamics) -> Matrix {
         let n = self.ranges.len();
@@ -166,7 +168,7 @@ impl Cycle {
     }
 
     /// The outline with flights cut in their middle, and no states at its cuts.
-    pub fn without_cut(&self) -> Outline {
+    pub fn without_cut(&self) -> OrbitGuess {
         let mut outline = self.outline.clone();
         outline.cut = None;
         for &(number, lasts) in &self.flights {

@@ -155,11 +155,11 @@ impl Chatter {
 /// A periodic orbit to be computed: its segments, and the moment at which the first one begins.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Outline {
+pub(crate) struct OrbitGuess {
     pub segments: Vec<Segment>,
     pub begin: Moment,
     /// The states between the segments; `None` before they are computed.
-    pub cut: Option<Cut>,
+    pub cut: Option<ShootingNodes>,
     /// Largest motion of the run from which it was taken.
     pub extent: f64,
 }
@@ -168,7 +168,7 @@ pub(crate) struct Outline {
 /// separate only from one such state to the next.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Cut {
+pub(crate) struct ShootingNodes {
     /// The segment that is also cut in its middle. Near a saddle, neighbouring orbits separate most
     /// in the longest segment.
     pub number: usize,
@@ -176,7 +176,7 @@ pub(crate) struct Cut {
     pub states: Vec<Vector>,
 }
 
-impl Outline {
+impl OrbitGuess {
     /// The orbit from a state over about a period, with the modes of the run. It begins with a
     /// transition and ends with one of the same kind about a period later.
     ///
@@ -228,10 +228,10 @@ impl Outline {
         if transitions.first().is_none_or(|at| at.t > by) {
             let middle = orbit.at(start.t + 0.5 * period)?;
             let mode = orbit.phases.first().map(|phase| phase.mode);
-            return Ok(Outline {
+            return Ok(OrbitGuess {
                 segments: mode.map(without_end).into_iter().collect(),
                 begin: start.clone(),
-                cut: Some(Cut {
+                cut: Some(ShootingNodes {
                     number: 0,
                     states: vec![middle],
                 }),
@@ -292,12 +292,12 @@ impl Outline {
         }
         let number = segment_to_cut(&segments);
         let middle = segments.get(number).map(|one| one.inside.x.clone());
-        Ok(Outline {
+        Ok(OrbitGuess {
             begin: Moment {
                 t: transitions[first].t,
                 x: after(system, transitions[first]),
             },
-            cut: Some(Cut {
+            cut: Some(ShootingNodes {
                 number,
                 states: begins.into_iter().skip(1).chain(middle).collect(),
             }),
@@ -375,7 +375,7 @@ impl Outline {
             }],
             all => all.iter().cloned().chain(all.iter().map(again)).collect(),
         };
-        Outline {
+        OrbitGuess {
             segments,
             cut: None,
             ..self.clone()
@@ -484,7 +484,7 @@ impl Outline {
         if let Some(first) = segments.first_mut() {
             first.duration += earlier;
         }
-        Some(Outline {
+        Some(OrbitGuess {
             segments,
             begin,
             cut: None,

@@ -5,7 +5,7 @@ use crate::analysis::critical::zero_between;
 
 /// Solutions of one kind, each with its place: periodic orbits with one sequence, or equilibria of
 /// one mode.
-pub(crate) trait Path {
+pub(crate) trait SolutionsOnLine {
     type Solution: Clone;
 
     /// The solution at a place.

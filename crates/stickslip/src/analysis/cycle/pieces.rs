@@ -1,6 +1,6 @@
 //! Integrated segments, and the derivatives of the flow over them.
 
-use super::{Outline, Segment, SegmentKind, Shooting, StepBudget};
+use super::{OrbitGuess, Segment, SegmentKind, Shooting, StepBudget};
 use crate::analysis::monodromy::{TangentMap, velocity_in};
 use crate::analysis::tangent::Tangent;
 use crate::dynamics::{Matrix, Moment, OrbitProgress, Solution, Step, Transition, Vector};
@@ -133,7 +133,7 @@ impl Shooting<'_> {
     }
 
     /// The first segment of an outline whose impacts do not accumulate before it ends.
-    pub(in crate::analysis) fn never_landing(&self, outline: &Outline) -> Option<usize> {
+    pub(in crate::analysis) fn never_landing(&self, outline: &OrbitGuess) -> Option<usize> {
         let states = &outline.cut.as_ref()?.states;
         let mut t = outline.begin.t;
         for (number, segment) in outline.segments.iter().enumerate() {

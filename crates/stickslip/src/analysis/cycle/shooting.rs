@@ -4,7 +4,7 @@ use super::equations::ShootingEquations;
 use super::newton::NewtonEquations;
 use super::pieces::Piece;
 use super::{
-    Cut, Cycle, Outline, SegmentKind, Shooting, TOLERANCES, ULPS, closeness, resolved,
+    Cycle, OrbitGuess, SegmentKind, Shooting, ShootingNodes, TOLERANCES, ULPS, closeness, resolved,
     segment_to_cut,
 };
 use crate::dynamics::{Dynamics, Modes, Moment, Vector};
@@ -32,7 +32,7 @@ impl<'a> Shooting<'a> {
     /// `forced` is the period that a drive prescribes there.
     pub fn of(
         system: &'a dyn Dynamics,
-        outline: &Outline,
+        outline: &OrbitGuess,
         forced: Option<f64>,
         options: &'a Options,
     ) -> Self {
@@ -75,7 +75,7 @@ impl<'a> Shooting<'a> {
 
     /// [`Shooting::solve`] where the flow map has a derivative; in a family, the orbit nearest to
     /// the guess.
-    pub fn nearest(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
+    pub fn nearest(&self, guess: &OrbitGuess, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let with_family = |family| {
             let found = Shooting { family, ..*self }.solve(guess, row);
             found.filter(Cycle::is_differentiable)
@@ -88,7 +88,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// The equations at an orbit that solves them, whether or not another solution is adjacent.
-    pub fn evaluated(&self, outline: &Outline) -> Option<Cycle> {
+    pub fn evaluated(&self, outline: &OrbitGuess) -> Option<Cycle> {
         let outline = match outline.cut {
             Some(_) => outline.clone(),
             None => self.cut(outline, self.options)?,
@@ -101,7 +101,7 @@ impl<'a> Shooting<'a> {
 
     /// Solves the equations near a guess. `row` is the last equation where a parameter is unknown:
     /// the product of the unknowns with it has a given value.
-    pub fn solve(&self, guess: &Outline, row: Option<(&Vector, f64)>) -> Option<Cycle> {
+    pub fn solve(&self, guess: &OrbitGuess, row: Option<(&Vector, f64)>) -> Option<Cycle> {
         let by_tolerance = closeness(self.options);
         let farthest = guess.begin.x.amax() + FARTHEST * self.extent;
         let bounded = self.options.escape(self.options.escape.min(farthest));
@@ -166,7 +166,7 @@ impl<'a> Shooting<'a> {
 
     /// A change of the unknowns of an orbit, without what rounding adds to discrete states: their
     /// values are isolated.
-    pub fn without_rounding(&self, outline: &Outline, mut change: Vector) -> Vector {
+    pub fn without_rounding(&self, outline: &OrbitGuess, mut change: Vector) -> Vector {
         let by_tolerance = closeness(self.options);
         let n = outline.begin.x.len();
         let first = n + outline.segments.len() + 1;
@@ -187,7 +187,7 @@ impl<'a> Shooting<'a> {
     /// The outline of which the longest segment is changed so that it lasts for the period of the
     /// forcing: that is no unknown. It is for iterates, which lack rounding of it. A guess from a
     /// run may lack far more: its segments fit their events, and the next iterate shares the rest.
-    fn in_period(&self, mut outline: Outline) -> Outline {
+    fn in_period(&self, mut outline: OrbitGuess) -> OrbitGuess {
         let prescribed = self.prescribed(&outline.begin.x);
         let missing = prescribed.map_or(0.0, |(period, _)| period - outline.period());
         let rounding = ULPS * f64::EPSILON * outline.period();
@@ -201,7 +201,7 @@ impl<'a> Shooting<'a> {
 
     /// Whether no segment of an orbit with a period has a negative duration. Where two segments
     /// vanish at once, the second does so to within the tolerances.
-    pub fn lasts(&self, outline: &Outline, period: f64) -> bool {
+    pub fn lasts(&self, outline: &OrbitGuess, period: f64) -> bool {
         let by_tolerance = closeness(self.options);
         let mut segments = outline.segments.iter();
         segments.all(|one| one.duration >= -by_tolerance * period)
@@ -234,7 +234,7 @@ impl<'a> Shooting<'a> {
 
     fn cycle(
         &self,
-        outline: Outline,
+        outline: OrbitGuess,
         equations: ShootingEquations,
         (guessed, sizes): (f64, Vector),
         (iterations, family): (usize, usize),
@@ -285,7 +285,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// The outline with the states between its segments and in the middle of one of them.
-    fn cut(&self, outline: &Outline, options: &Options) -> Option<Outline> {
+    fn cut(&self, outline: &OrbitGuess, options: &Options) -> Option<OrbitGuess> {
         let number = segment_to_cut(&outline.segments);
         let mut at = outline.begin.clone();
         let mut states = Vec::with_capacity(outline.segments.len());
@@ -304,8 +304,8 @@ impl<'a> Shooting<'a> {
             }
         }
         states.push(middle);
-        Some(Outline {
-            cut: Some(Cut { number, states }),
+        Some(OrbitGuess {
+            cut: Some(ShootingNodes { number, states }),
             ..outline.clone()
         })
     }
@@ -313,7 +313,7 @@ impl<'a> Shooting<'a> {
 
 /// The unit of length of an orbit: its extent or, where it does not move, the size of its state.
 /// For an orbit at zero it is 1. A length that is not [`resolved`] counts as zero.
-fn length(extent: f64, outline: &Outline, states: usize, options: &Options) -> f64 {
+fn length(extent: f64, outline: &OrbitGuess, states: usize, options: &Options) -> f64 {
     let least = resolved(options.coarsest());
     let size = outline.begin.x.rows(0, states).amax();
     let mut lengths = [extent, size].into_iter();

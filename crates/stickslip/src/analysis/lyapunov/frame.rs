@@ -251,7 +251,7 @@ mod tests {
         }
     }
 
-    /// As an impact of little speed leaves them, or states in units of which one is a millionth.
+    /// An impact of little speed leaves them so, or states in units of which one is a millionth.
     #[test]
     fn vectors_that_are_nearly_parallel_become_orthogonal() {
         let mut frame = Frame::generic(3, 3);

@@ -73,7 +73,7 @@ use measurement::Measurement;
 ///
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
-/// use stickslip::analysis::{Exponent, SpectrumOptions, largest_exponent, lyapunov_spectrum};
+/// use stickslip::analysis::{Exponent, SpectrumOptions, lyapunov_spectrum};
 ///
 /// // A slow belt: the block sticks in every period.
 /// let belt = Belt { speed: 0.2 };
@@ -83,7 +83,7 @@ use measurement::Measurement;
 /// assert_eq!(spectrum.exponents[1], Exponent::Annihilated);
 /// assert!(spectrum.stick_entries > 10);
 /// // One tangent vector is enough for the largest.
-/// let largest = largest_exponent(&belt, (0.0, [0.5, 0.1]), &settings)?;
+/// let largest = Exponent::largest(&belt, (0.0, [0.5, 0.1]), &settings)?;
 /// assert_eq!(largest, spectrum.exponents[0]);
 /// # Ok::<(), stickslip::Error>(())
 /// ```
@@ -164,55 +164,59 @@ fn measured_alone(
     }
 }
 
-/// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
-/// fraction of its time.
-///
-/// If exponents are equal, as in a spiral, the spectrum begins with the vector that grew most over
-/// the measured time. Here there is only one vector.
-///
-/// # Errors
-/// As [`lyapunov_spectrum`], however much has been measured.
-pub fn largest_exponent<Kind>(
-    system: &impl AsDynamics<Kind>,
-    (t, x): (f64, impl Components),
-    settings: &SpectrumOptions,
-) -> Result<Exponent, Error> {
-    let start = Moment { t, x: x.vector() };
-    let system = &*system.dynamics();
-    let alone = whole(measured_alone(system, start.clone(), settings, 1)?)?.exponents[0];
-    match alone {
-        // Other vectors may survive the one that is annihilated.
-        Exponent::Annihilated => Ok(spectrum_of(system, start, settings)?.exponents[0]),
-        Exponent::Finite { .. } => Ok(alone),
+impl Exponent {
+    /// The largest exponent alone, from one tangent vector: the first of [`lyapunov_spectrum`] in a
+    /// fraction of its time.
+    ///
+    /// If exponents are equal, as in a spiral, the spectrum begins with the vector that grew most
+    /// over the measured time. Here there is only one vector.
+    ///
+    /// # Errors
+    /// As [`lyapunov_spectrum`], however much has been measured.
+    pub fn largest<Kind>(
+        system: &impl AsDynamics<Kind>,
+        (t, x): (f64, impl Components),
+        settings: &SpectrumOptions,
+    ) -> Result<Exponent, Error> {
+        let start = Moment { t, x: x.vector() };
+        let system = &*system.dynamics();
+        let alone = whole(measured_alone(system, start.clone(), settings, 1)?)?.exponents[0];
+        match alone {
+            // Other vectors may survive the one that is annihilated.
+            Exponent::Annihilated => Ok(spectrum_of(system, start, settings)?.exponents[0]),
+            Exponent::Finite { .. } => Ok(alone),
+        }
     }
 }
 
-/// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections and
-/// the like in the same integration. If the observer ends the run, the spectrum is that of the part
-/// so far.
-///
-/// # Errors
-/// As [`lyapunov_spectrum`], however much has been measured. [`Error::Stopped`] where the observer
-/// ends the run before its first step.
-pub fn lyapunov_spectrum_watched<S, O, const N: usize, const G: usize>(
-    system: &S,
-    (t, x): (f64, impl Components),
-    settings: &SpectrumOptions,
-    mut watcher: &mut O,
-) -> Result<Spectrum, Error>
-where
-    S: Switched<N, G> + Send + Sync,
-    O: Observer<N, S::Mode> + ?Sized,
-{
-    let start = Moment { t, x: x.vector() };
-    let dynamics = Typed::<&S, S, _, _, _, N, G>::new(system);
-    let spectrum = measured(
-        &dynamics,
-        start,
-        (settings, N, false),
-        |at, t_end, options| observed(system, (at, t_end), options, &mut watcher),
-    );
-    whole(spectrum?)
+impl Spectrum {
+    /// [`lyapunov_spectrum`] with an observer of the measured part of the run, for minima, sections
+    /// and the like in the same integration. If the observer ends the run, the spectrum is that of
+    /// the part so far.
+    ///
+    /// # Errors
+    /// As [`lyapunov_spectrum`], however much has been measured. [`Error::Stopped`] where the
+    /// observer ends the run before its first step.
+    pub fn watched<S, O, const N: usize, const G: usize>(
+        system: &S,
+        (t, x): (f64, impl Components),
+        settings: &SpectrumOptions,
+        mut watcher: &mut O,
+    ) -> Result<Spectrum, Error>
+    where
+        S: Switched<N, G> + Send + Sync,
+        O: Observer<N, S::Mode> + ?Sized,
+    {
+        let start = Moment { t, x: x.vector() };
+        let dynamics = Typed::<&S, S, _, _, _, N, G>::new(system);
+        let spectrum = measured(
+            &dynamics,
+            start,
+            (settings, N, false),
+            |at, t_end, options| observed(system, (at, t_end), options, &mut watcher),
+        );
+        whole(spectrum?)
+    }
 }
 
 /// The spectrum of so many vectors; `begin` begins the measured part of the run. With `refines`,

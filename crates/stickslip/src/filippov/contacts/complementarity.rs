@@ -376,7 +376,7 @@ mod tests {
 
     /// The solutions by trying all outcomes.
     fn enumerated<const M: usize>(problem: &RateEquations<M>) -> Vec<[ContactOutcome; M]> {
-        all(M, |outcomes| problem.is_solved_by(outcomes)).unwrap()
+        combinations(M, |outcomes| problem.is_solved_by(outcomes)).unwrap()
     }
 
     #[test]
@@ -437,7 +437,7 @@ mod tests {
 
     #[test]
     fn eight_contacts_are_enumerated_and_nine_are_not() {
-        assert_eq!(all::<8>(8, |_| false), Some(Vec::new()));
-        assert_eq!(all::<9>(9, |_| false), None);
+        assert_eq!(combinations::<8>(8, |_| false), Some(Vec::new()));
+        assert_eq!(combinations::<9>(9, |_| false), None);
     }
 }

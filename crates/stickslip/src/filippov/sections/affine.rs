@@ -35,8 +35,8 @@ pub(super) struct Affine {
     pub constant: f64,
 }
 
-/// What functions have in common that differ by a constant: the slopes of affine ones, and the part
-/// of the functions without their constant over a step.
+/// Common part of functions that differ by a constant: the slopes of affine ones, and the functions
+/// without their constant over a step.
 pub(super) struct Slopes<const N: usize> {
     normal: State<N>,
     in_time: f64,
@@ -56,7 +56,8 @@ pub(super) struct Slopes<const N: usize> {
     order: usize,
     /// The part of the series that the step covers.
     reach: f64,
-    /// Where the series turns, and the end of the step, with the values there; none while unknown.
+    /// Turning points of the series, and the end of the step, with the values there; none while
+    /// unknown.
     turns: Vec<(f64, f64)>,
 }
 

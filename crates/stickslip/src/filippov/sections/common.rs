@@ -8,13 +8,13 @@ use crate::system::State;
 
 /// A plane in the space of states, as a section: `normal · (x − point)` passes through zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane<const N: usize> {
+pub(crate) struct Plane<const N: usize> {
     /// A state on it.
-    pub point: State<N>,
+    pub(crate) point: State<N>,
     /// A vector across it, of any length.
-    pub normal: State<N>,
+    pub(crate) normal: State<N>,
     /// Direction of the passage: [`Direction::Rising`] is along `normal`.
-    pub direction: Direction,
+    pub(crate) direction: Direction,
 }
 
 impl<const N: usize> EventFunctions<N> for Plane<N> {
@@ -39,35 +39,12 @@ impl<const N: usize> EventFunctions<N> for Plane<N> {
 
 /// A strobe: the section of a forced system that its orbits pass at `first`, `first + period`,
 /// `first + 2 period`, ….
-///
-/// ```
-/// use stickslip::{Filippov, Options, Scalar, Side, Strobe, analysis::PoincareMap};
-///
-/// /// A block on a floor, pushed with period 2.
-/// struct Pushed;
-///
-/// impl Filippov<2> for Pushed {
-///     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-///         let push = (t * std::f64::consts::PI).cos() * 3.0;
-///         [x[1], push - x[0] - 0.4 * side.sign()]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
-///         x[1]
-///     }
-/// }
-///
-/// let strobe = Strobe { first: 0.0, period: 2.0 };
-/// let options = Options::tol(1e-10);
-/// let mut map = PoincareMap::new(&Pushed, &strobe, (0.0, [0.1, 0.2]), 3.0, &options)?;
-/// assert!((map.step()?.t - 2.0).abs() < 1e-12);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strobe {
+pub(crate) struct Strobe {
     /// Time of a flash.
-    pub first: f64,
+    pub(crate) first: f64,
     /// Time between two flashes.
-    pub period: f64,
+    pub(crate) period: f64,
 }
 
 impl<const N: usize> EventFunctions<N> for Strobe {

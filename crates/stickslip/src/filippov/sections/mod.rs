@@ -13,10 +13,10 @@ mod watched;
 use crate::scalar::Scalar;
 use crate::system::{Mode, State};
 
-pub use common::{Plane, Strobe};
+pub(crate) use common::{Plane, Strobe};
 pub use search::EventSearch;
 pub(crate) use search::{SearchMemory, TOLERATED};
-pub use solve::{OrbitWithEvents, solve_with_events};
+pub use solve::solve_with_events;
 use watched::{Watched, WatchedProgress};
 
 /// Direction in which a function passes through zero.

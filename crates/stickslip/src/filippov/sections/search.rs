@@ -40,11 +40,22 @@ pub(crate) enum Standing {
 /// ```
 #[doc = include_str!("../../../examples/common/belt.rs")]
 /// use std::ops::ControlFlow;
-/// use stickslip::analysis::{SpectrumOptions, lyapunov_spectrum_watched};
-/// use stickslip::{Direction, EventSearch, Observer, Options, Plane, StepRecord};
+/// use stickslip::analysis::{Spectrum, SpectrumOptions};
+/// use stickslip::{Direction, EventFunctions, EventSearch, Observer, Options, StepRecord};
+///
+/// /// Where the block turns back.
+/// struct Turn;
+/// impl EventFunctions<2> for Turn {
+///     fn value<T: Scalar>(&self, _number: usize, _t: T, x: &[T; 2]) -> T {
+///         x[1]
+///     }
+///     fn direction(&self, _number: usize) -> Direction {
+///         Direction::Falling
+///     }
+/// }
 ///
 /// /// Returns to a section, counted while exponents are measured.
-/// struct Returns<'a>(EventSearch<'a, Belt, Plane<2>, 2>, usize);
+/// struct Returns<'a>(EventSearch<'a, Belt, Turn, 2>, usize);
 /// impl Observer<2> for Returns<'_> {
 ///     fn step(&mut self, step: &StepRecord<2>) -> ControlFlow<()> {
 ///         self.1 += self.0.in_step(step).len();
@@ -53,15 +64,9 @@ pub(crate) enum Standing {
 /// }
 ///
 /// let belt = Belt { speed: 0.2 };
-/// // Where the block turns back.
-/// let section = Plane {
-///     point: [0.0, 0.0].into(),
-///     normal: [0.0, 1.0].into(),
-///     direction: Direction::Falling,
-/// };
 /// let settings = SpectrumOptions::over(50.0, 500.0);
-/// let mut returns = Returns(EventSearch::new(&belt, section, &settings.solver), 0);
-/// lyapunov_spectrum_watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;
+/// let mut returns = Returns(EventSearch::new(&belt, Turn, &settings.solver), 0);
+/// Spectrum::watched(&belt, (0.0, [0.5, 0.1]), &settings, &mut returns)?;
 /// assert!(returns.1 > 10);
 /// # Ok::<(), stickslip::Error>(())
 /// ```

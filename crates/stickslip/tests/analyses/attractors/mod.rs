@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use crate::is_same_cycle;
 use numerics::SplitMix;
 use stickslip::analysis::{
-    Attractor, AttractorKind, Attractors, RecurrenceSettings, attractor, attractor_by_shooting,
-    basin, periodic_orbit, periodic_orbit_forced,
+    Attractor, AttractorKind, Attractors, PeriodicOrbit, RecurrenceSettings, attractor, basin,
 };
 use stickslip::{Error, IntoState, Method, Mode, Options, Side, State, math, solve};
 
@@ -60,7 +59,8 @@ fn the_stick_slip_cycle_of_leine_is_found_and_refined() {
         // By shooting from a point in its slip phase.
         let orbit = stickslip::solve(&Leine.any(), 0.0, slip.x_start, 2.0, &options);
         let inside = orbit.expect("runs").x_end;
-        let cycle = periodic_orbit(&Leine.dynamics(), inside, period, &options).expect("converges");
+        let cycle =
+            PeriodicOrbit::near(&Leine.dynamics(), inside, period, &options).expect("converges");
         assert!((cycle.period - exact).abs() < 1e-11, "{}", cycle.period);
     }
 }
@@ -513,7 +513,8 @@ fn den_hartog_s_amplitudes_are_found_from_a_run_and_refined() {
         );
         assert!(is_same_cycle(&found.sequence(), &[ABOVE, BELOW]));
         let x = &found.points[0].x;
-        let cycle = periodic_orbit_forced(&system.dynamics(), 0.0, x, period, &options).unwrap();
+        let cycle =
+            PeriodicOrbit::near_forced(&system.dynamics(), 0.0, x, period, &options).unwrap();
         let orbit = stickslip::solve(&system.any(), 0.0, cycle.x, period, &options).unwrap();
         for at in &orbit.transitions {
             let error = (at.x[0].abs() - exact).abs();
@@ -613,9 +614,11 @@ fn a_start_on_an_unstable_orbit_reaches_no_attractor() {
     assert!(!AttractorKind::Unstable.is_attractor());
     // The displaced orbit reaches the attractor.
     let on_it = attractor(system.dynamics(), [0.0, 0.0], &settings, &options).unwrap();
-    let beside = attractor_by_shooting(system.dynamics(), on_it, &settings, &options);
+    let beside = on_it.by_shooting(system.dynamics(), &settings, &options);
     assert!(beside.kind.is_attractor() && beside.x.norm() > 0.1);
-    let again = attractor_by_shooting(system.dynamics(), beside.clone(), &settings, &options);
+    let again = beside
+        .clone()
+        .by_shooting(system.dynamics(), &settings, &options);
     assert_eq!(beside, again);
 }
 

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, PI};
 
 use numerics::SplitMix;
 use stickslip::analysis::{
-    Attractors, RecurrenceSettings, attractor, basin, basin_entropy, uncertainty_exponent,
+    Attractors, BasinEntropy, RecurrenceSettings, UncertaintyExponent, attractor, basin,
 };
 use stickslip::{Error, Options, math};
 
@@ -29,7 +29,7 @@ fn the_boundary_entropy_of_straight_boundaries_is_a_half() {
         let first = 40.0 * random.uniform();
         let stripe = |x: usize| ((x as f64 - first) / (23.0 * 2f64.sqrt())).floor() as i64 & 1;
         let reached: Vec<usize> = (0..400 * 40).map(|k| stripe(k % 400) as usize).collect();
-        let found = basin_entropy(&reached, &[40, 400], 20).unwrap();
+        let found = BasinEntropy::of(&reached, &[40, 400], 20).unwrap();
         assert_eq!(found.boxes, 40);
         let (value, error) = (
             found.boundary_entropy.unwrap(),
@@ -54,14 +54,14 @@ fn intermingled_basins_have_the_largest_entropy_and_the_exponent_zero() {
     let reached: Vec<usize> = (0..256 * 256)
         .map(|_| (3.0 * random.uniform()) as usize)
         .collect();
-    let found = basin_entropy(&reached, &[256, 256], 16).unwrap();
+    let found = BasinEntropy::of(&reached, &[256, 256], 16).unwrap();
     assert_eq!(found.boundary_boxes, 256);
     assert_eq!(found.boundary_entropy, Some(found.entropy));
     let expected = math::ln(3.0) - 1.0 / 256.0;
     let off = (found.entropy - expected).abs();
     assert!(off < 4.0 * found.entropy_error, "{found:?}");
     assert!(found.entropy_error < 1e-3 && found.shows_fractal());
-    let found = uncertainty_exponent(&reached, &[256, 256]).unwrap();
+    let found = UncertaintyExponent::of(&reached, &[256, 256]).unwrap();
     let found = found.unwrap();
     assert!(found.exponent.abs() < 3.0 * found.std_error, "{found:?}");
     assert!(found.std_error < 0.01, "{found:?}");
@@ -76,7 +76,7 @@ fn smooth_boundaries_have_the_dimension_of_a_curve() {
             usize::from(x * x + y * y < 100.0 * 100.0)
         })
         .collect();
-    let found = uncertainty_exponent(&reached, &[400, 400])
+    let found = UncertaintyExponent::of(&reached, &[400, 400])
         .unwrap()
         .unwrap();
     assert!(
@@ -92,7 +92,7 @@ fn smooth_boundaries_have_the_dimension_of_a_curve() {
     let found = basin(system.dynamics(), starts, &settings, &options).unwrap();
     let known = (0..64 * 64).map(|k| 3.0 * place(k % 64) > place(k / 64) * place(k / 64));
     assert!(known.map(usize::from).eq(found.reached.iter().copied()));
-    let exponent = uncertainty_exponent(&found.reached, &[64, 64]).unwrap();
+    let exponent = UncertaintyExponent::of(&found.reached, &[64, 64]).unwrap();
     let exponent = exponent.unwrap();
     assert!((exponent.exponent - 1.0).abs() < 0.05, "{exponent:?}");
 }
@@ -115,7 +115,7 @@ fn cantor_s_set_has_its_dimension() {
         (0..points).map(|k| side(place(k))).collect()
     };
     let exponent = 1.0 - LN_2 / math::ln(3.0);
-    let found = uncertainty_exponent(&line(20_000), &[20_000])
+    let found = UncertaintyExponent::of(&line(20_000), &[20_000])
         .unwrap()
         .unwrap();
     assert!(
@@ -127,7 +127,7 @@ fn cantor_s_set_has_its_dimension() {
     // In the plane, with all y: the dimension is one more.
     let row = line(1000);
     let plane: Vec<usize> = (0..1000).flat_map(|_| row.iter().copied()).collect();
-    let found = uncertainty_exponent(&plane, &[1000, 1000])
+    let found = UncertaintyExponent::of(&plane, &[1000, 1000])
         .unwrap()
         .unwrap();
     assert!(
@@ -165,15 +165,15 @@ fn grids_that_do_not_fit_are_refused_with_the_bound() {
         (vec![10, 10], 1),
         (vec![9, 10], 5),
     ] {
-        let error = basin_entropy(&reached, &shape, side).unwrap_err();
+        let error = BasinEntropy::of(&reached, &shape, side).unwrap_err();
         assert!(matches!(error, Error::Option { .. }), "{error}");
     }
-    let error = uncertainty_exponent(&reached, &[10, 10]).unwrap_err();
+    let error = UncertaintyExponent::of(&reached, &[10, 10]).unwrap_err();
     assert!(error.to_string().contains("64 starts"), "{error}");
-    let found = basin_entropy(&reached, &[10, 10], 5).unwrap();
+    let found = BasinEntropy::of(&reached, &[10, 10], 5).unwrap();
     assert_eq!((found.entropy, found.boundary_entropy), (0.0, None));
     assert_eq!(
-        uncertainty_exponent(&vec![0; 4096], &[64, 64]).unwrap(),
+        UncertaintyExponent::of(&vec![0; 4096], &[64, 64]).unwrap(),
         None
     );
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use stickslip::analysis::{AttractorKind, RecurrenceSettings, SharesAt, shares_at};
+use stickslip::analysis::{AttractorKind, RecurrenceSettings, SharesAt};
 use stickslip::{Options, math};
 
 use super::system;
@@ -23,7 +23,7 @@ fn along(rate: &str, values: &[f64], cells: usize, low: f64, high: f64) -> Vec<S
             .map(|system: &stickslip_model::file::System| {
                 (system.dynamics(), found.last().unwrap())
             });
-        let next = shares_at(
+        let next = SharesAt::of(
             here.dynamics(),
             value,
             (0..cells).map(start),
@@ -122,11 +122,11 @@ fn a_cycle_keeps_its_band_where_only_the_way_back_leads_to_it() {
     let (one, other) = (here(0.0), here(1.0));
     type Before<'a> = Option<(&'a stickslip::dynamics::DynamicsRef<'a>, &'a SharesAt)>;
     let none: Before<'_> = None;
-    let first = shares_at(one.dynamics(), 0.0, starts, none, how, go_on)
+    let first = SharesAt::of(one.dynamics(), 0.0, starts, none, how, go_on)
         .unwrap()
         .unwrap();
     let before: Before<'_> = Some((one.dynamics(), &first));
-    let next = shares_at(other.dynamics(), 1.0, starts, before, how, go_on)
+    let next = SharesAt::of(other.dynamics(), 1.0, starts, before, how, go_on)
         .unwrap()
         .unwrap();
     assert_eq!(

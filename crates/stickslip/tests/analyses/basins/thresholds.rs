@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use stickslip::analysis::{
-    AttractorKind, EdgeKind, EdgeSettings, PushSettings, RecurrenceSettings, attractor, edge_state,
-    least_pushes, multipliers, periodic_orbit, return_time,
+    AttractorKind, EdgeKind, EdgeSettings, EdgeState, PeriodicOrbit, Push, PushSettings,
+    RecurrenceSettings, attractor, multipliers,
 };
 use stickslip::{Error, Options, math};
 use stickslip_model::file::System;
@@ -19,15 +19,9 @@ fn returns(system: &System, start: &[f64], tolerance: f64) -> Option<f64> {
     };
     let options = Options::tol(1e-12);
     let reached = attractor(system.dynamics(), start, &settings, &options).unwrap();
-    return_time(
-        system.dynamics(),
-        start,
-        &reached,
-        tolerance,
-        &settings,
-        &options,
-    )
-    .unwrap()
+    reached
+        .return_time(system.dynamics(), start, tolerance, &settings, &options)
+        .unwrap()
 }
 
 #[test]
@@ -111,9 +105,9 @@ fn motion_that_is_not_periodic_has_no_time_to_return() {
     let start = [1.0, 1.0, 20.0];
     let reached = attractor(lorenz.dynamics(), start, &settings, &options).unwrap();
     assert_eq!(reached.kind, AttractorKind::Recurrent);
-    let time = return_time(lorenz.dynamics(), start, &reached, 0.1, &settings, &options);
+    let time = reached.return_time(lorenz.dynamics(), start, 0.1, &settings, &options);
     assert_eq!(time, Ok(None));
-    let error = return_time(lorenz.dynamics(), start, &reached, 0.0, &settings, &options);
+    let error = reached.return_time(lorenz.dynamics(), start, 0.0, &settings, &options);
     assert!(matches!(
         error,
         Err(Error::Option {
@@ -130,7 +124,7 @@ fn pushes_end_at_the_known_boundary() {
     let how = PushSettings::up_to(10.0);
     let dynamics = wells.dynamics();
     let push = |from: [f64; 2], direction: [f64; 2], how: &PushSettings| {
-        let found = least_pushes(dynamics, from, [direction], how, &settings, &options);
+        let found = Push::least(dynamics, from, [direction], how, &settings, &options);
         found.unwrap().remove(0)
     };
     // 1 - s = c² s²/3 along (-1, c).
@@ -163,7 +157,7 @@ fn pushes_end_at_the_known_boundary() {
     // Samples on both sides of the other basin do not see it.
     let coarse = PushSettings { parts: 1, ..how };
     assert_eq!(push([-1.0, 0.0], [2.0, 1.0], &coarse), None);
-    let none = least_pushes(
+    let none = Push::least(
         dynamics,
         [1.0, 0.0],
         [[0.0, 0.0]],
@@ -187,7 +181,7 @@ fn edge_states_are_the_known_saddle_and_cycles() {
     let how = EdgeSettings::within(200.0);
     // The track begins on x = y²/3 and goes along it to the saddle.
     let wells = system(&WELLS, 0.0);
-    let found = edge_state(
+    let found = EdgeState::between(
         wells.dynamics(),
         [-1.0, 3.0],
         [6.0, 2.5],
@@ -207,7 +201,7 @@ fn edge_states_are_the_known_saddle_and_cycles() {
     let part = "0.05*(1 - x^2 - y^2)*(4 - x^2 - y^2)";
     let (x, y) = (format!("-x*{part} - y"), format!("-y*{part} + x"));
     let rings = system(&[("x", &x), ("y", &y)], 0.0);
-    let found = edge_state(
+    let found = EdgeState::between(
         rings.dynamics(),
         [0.1, 0.0],
         [0.5, 1.9],
@@ -221,7 +215,7 @@ fn edge_states_are_the_known_saddle_and_cycles() {
     };
     assert_eq!(found.unstable, 1);
     assert!((period - TAU).abs() < 1e-9 && (found.x.norm() - 1.0).abs() < 1e-9);
-    let cycle = periodic_orbit(rings.dynamics(), &found.x, period, &options).unwrap();
+    let cycle = PeriodicOrbit::near(rings.dynamics(), &found.x, period, &options).unwrap();
     let multiplier = multipliers(&cycle.monodromy)
         .iter()
         .map(|one| one.norm())
@@ -233,7 +227,8 @@ fn edge_states_are_the_known_saddle_and_cycles() {
         0.0,
     );
     let forced = settings.forced(TAU);
-    let found = edge_state(driven.dynamics(), [-2.0], [3.0], &how, &forced, &options).unwrap();
+    let found =
+        EdgeState::between(driven.dynamics(), [-2.0], [3.0], &how, &forced, &options).unwrap();
     assert_eq!(
         (found.kind, found.unstable),
         (EdgeKind::Periodic { period: TAU }, 1)
@@ -248,10 +243,11 @@ fn a_third_basin_between_is_named() {
     let (settings, options) = (RecurrenceSettings::within(300.0), Options::tol(1e-12));
     let how = EdgeSettings::within(50.0);
     let dynamics = pendulum.dynamics();
-    let found = edge_state(dynamics, [0.3], [4.0 * PI + 0.1], &how, &settings, &options).unwrap();
+    let found =
+        EdgeState::between(dynamics, [0.3], [4.0 * PI + 0.1], &how, &settings, &options).unwrap();
     assert!((found.x[0] - PI).abs() < 1e-9, "{}", found.x);
     assert!((found.beside[1].points[0].x[0] - TAU).abs() < 1e-9);
-    let none = edge_state(dynamics, [0.3], [0.4], &how, &settings, &options);
+    let none = EdgeState::between(dynamics, [0.3], [0.4], &how, &settings, &options);
     assert!(
         matches!(
             none,
@@ -278,7 +274,7 @@ fn the_edge_of_a_stick_slip_cycle_is_an_unstable_cycle() {
     let dynamics = block.dynamics();
     let rest = 0.5 + 0.5 * math::exp(-3.0);
     let (inside, outside) = ([rest, 0.0], [-1.0, 1.5]);
-    let found = edge_state(dynamics, inside, outside, &how, &settings, &options).unwrap();
+    let found = EdgeState::between(dynamics, inside, outside, &how, &settings, &options).unwrap();
     let EdgeKind::Periodic { period } = found.kind else {
         panic!("{:?}", found.kind);
     };

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, RecurrenceSettings, Stop, SweepSettings, WhatChanges,
-    attractor, continue_periodic_orbit,
+    AttractorKind, ContinuationSettings, RecurrenceSettings, Stop, WhatChanges, attractor,
+    continue_periodic_orbit,
 };
 use stickslip::{Fate, Filippov, Mode, Options, Scalar, Side, State, fate, math, solve};
 
@@ -60,7 +60,7 @@ fn a_sweep_finds_it_from_the_side_of_the_equilibrium_or_from_that_of_the_orbit()
     for values in [[0.9, 1.1], [1.1, 0.9], [0.9, 1.0], [1.0, 1.2]] {
         let family = |value| leaked(AtParameter { system: ONE, value }).dynamics();
         let start = [0.5, 0.1, 0.3];
-        let settings = SweepSettings::within(300.0);
+        let settings = RecurrenceSettings::within(300.0);
         let any = ONE.dynamics();
         for (_, options) in accuracies() {
             let found = swept((family, &any), values, start, &settings, &options);
@@ -90,7 +90,7 @@ fn an_equilibrium_that_goes_over_into_sliding_is_located_there() {
             })
             .dynamics()
         };
-        let settings = SweepSettings::within(300.0);
+        let settings = RecurrenceSettings::within(300.0);
         let (any, start) = (Persists.dynamics(), [-0.4, 0.1]);
         for (_, options) in accuracies() {
             let found = swept((family, &any), values, start, &settings, &options);

@@ -4,8 +4,8 @@ use std::f64::consts::{LN_10, PI};
 use std::ops::ControlFlow;
 
 use stickslip::analysis::{
-    Branch, ContinuationSettings, CycleBifurcation, PartialBranch, SequenceBifurcation, Stability,
-    Stop, continue_periodic_orbit, monodromy,
+    Branch, ContinuationSettings, CycleBifurcation, Monodromy, PartialBranch, SequenceBifurcation,
+    Stability, Stop, continue_periodic_orbit,
 };
 use stickslip::nalgebra::Matrix3;
 use stickslip::{Error, Filippov, Method, Mode, Options, Side, State, math, solve};
@@ -309,7 +309,8 @@ fn what_contracts_fast_is_carried_by_long_steps_too() {
                 let (sin, cos) = (math::sin(f64::from(k)), math::cos(f64::from(k)));
                 let start = [radius * cos, radius * sin, p];
                 let rings = Rings { place: 50.0 };
-                let turn = monodromy(&rings.dynamics(), 0.0, start, 2.0 * PI, &options).unwrap();
+                let turn =
+                    Monodromy::of(&rings.dynamics(), 0.0, start, 2.0 * PI, &options).unwrap();
                 let wanted = Matrix3::new(
                     sin * sin,
                     -sin * cos,

@@ -4,7 +4,6 @@ use std::f64::consts::PI;
 
 use stickslip::analysis::{
     ContinuationSettings, Curve, CurveStop, CycleBifurcation, SequenceBifurcation, SequenceChange,
-    continue_change,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{
@@ -61,7 +60,7 @@ fn a_curve_of_grazes_has_a_closed_form_by_both_methods_at_any_tolerance() {
         for tolerance in [1e-9, 1e-12] {
             let options = Options::tol(tolerance).method(method);
             let start = [place(0.5), 0.5, 1.1];
-            let found = continue_change(
+            let found = Curve::of_special(
                 &Lag.dynamics(),
                 start,
                 (6.3, false, 0),
@@ -124,7 +123,7 @@ fn a_curve_of_grazes_goes_round_the_fold_of_the_orbits_that_graze() {
     let radius = (1.0 + 0.1_f64.sqrt()).sqrt();
     let start = [radius, 0.0, 1.25, -0.9];
     let options = Options::tol(1e-12);
-    let found = continue_change(
+    let found = Curve::of_special(
         &Touched.dynamics(),
         start,
         (6.3, true, 0),
@@ -169,7 +168,7 @@ fn follows<Any>(
         for tolerance in [1e-9, 1e-12] {
             let options = Options::tol(tolerance).method(method);
             let way = (period, upwards, 0);
-            let found = continue_change(system, start, way, (settings, other), &options);
+            let found = Curve::of_special(system, start, way, (settings, other), &options);
             let found = found.unwrap_or_else(|error| panic!("{name}: {error}"));
             assert_eq!(change(&found).bifurcation, name);
             let at = format!("{name} by {method:?} at {tolerance:e}");
@@ -398,7 +397,7 @@ fn a_curve_of_folds_has_a_closed_form_by_both_methods_at_any_tolerance() {
             let start = [(1.0 + 0.5_f64.sqrt()).sqrt(), 0.0, 2.0, -0.5];
             let ranges = (&settings, (0.5, 3.0));
             let found =
-                continue_change(&Rings.dynamics(), start, (6.3, false, 0), ranges, &options);
+                Curve::of_special(&Rings.dynamics(), start, (6.3, false, 0), ranges, &options);
             let found = found.unwrap();
             assert_eq!(found.at.what, CycleBifurcation::Fold);
             assert_eq!(found.stops, [CurveStop::Range; 2]);
@@ -441,7 +440,7 @@ fn a_curve_of_folds_goes_round_its_cusp() {
         let options = Options::tol(1e-12).method(method);
         let start = [1.0 + 0.75_f64.sqrt(), 0.75, 0.0];
         let ranges = (&settings, (-0.5, 1.0));
-        let found = continue_change(&Cusp.dynamics(), start, (6.3, false, 0), ranges, &options);
+        let found = Curve::of_special(&Cusp.dynamics(), start, (6.3, false, 0), ranges, &options);
         let found = found.unwrap();
         assert_eq!(found.at.what, CycleBifurcation::Fold);
         assert!((found.at.parameter + 0.25).abs() < 1e-9);
@@ -516,8 +515,8 @@ fn curves_of_flips_and_of_tori_have_closed_forms_by_both_methods() {
     for method in [Method::Dop853, Method::Taylor] {
         for tolerance in [1e-9, 1e-12] {
             let options = Options::tol(tolerance).method(method);
-            let flips = continue_change(&Doubled.dynamics(), start, way, ranges, &options);
-            let tori = continue_change(&Turned.dynamics(), start, way, ranges, &options);
+            let flips = Curve::of_special(&Doubled.dynamics(), start, way, ranges, &options);
+            let tori = Curve::of_special(&Turned.dynamics(), start, way, ranges, &options);
             let [flips, tori] = [flips.unwrap(), tori.unwrap()];
             assert_eq!(flips.at.what, CycleBifurcation::Flip);
             let CycleBifurcation::NeimarkSacker { angle } = tori.at.what else {
@@ -546,7 +545,7 @@ fn what_has_no_change_is_reported() {
     let settings = ContinuationSettings::over(1.05, 1.2).forced(2.0 * PI);
     let options = Options::tol(1e-10);
     let start = [place(0.5), 0.5, 1.1];
-    let none = continue_change(
+    let none = Curve::of_special(
         &Lag.dynamics(),
         start,
         (6.3, true, 0),
@@ -555,7 +554,7 @@ fn what_has_no_change_is_reported() {
     );
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
     let settings = ContinuationSettings::over(0.3, 1.2).forced(2.0 * PI);
-    let wrong = continue_change(
+    let wrong = Curve::of_special(
         &Lag.dynamics(),
         start,
         (6.3, true, 0),

@@ -1,8 +1,6 @@
 //! Curves of homoclinic orbits and two-folds in two parameters, compared with closed forms.
 
-use stickslip::analysis::{
-    ContinuationSettings, Curve, CurveStop, CycleBifurcation, continue_change, continue_end,
-};
+use stickslip::analysis::{ContinuationSettings, Curve, CurveStop, CycleBifurcation};
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side, math, solve};
 
 use super::branches::accuracies;
@@ -94,7 +92,7 @@ fn the_loops_of_a_saddle_lie_on_a_parabola() {
     for (tolerance, options) in accuracies().step_by(5) {
         let (start, period) = settled(&Loop, [0.5, 0.0, 0.3, 0.19], &options);
         let how = (&settings, (-0.4, 0.5));
-        let curve = continue_end(&Loop.dynamics(), start, (period, false), how, &options).unwrap();
+        let curve = Curve::of_end(&Loop.dynamics(), start, (period, false), how, &options).unwrap();
         let CycleBifurcation::Homoclinic { saddles } = curve.at.what else {
             panic!("{}", curve.at.what);
         };
@@ -110,7 +108,8 @@ fn the_points_where_two_tangencies_meet_lie_on_a_curve() {
     for (tolerance, options) in accuracies() {
         let (start, period) = settled(&Turns, [-0.9, 0.05, 0.1, 0.3], &options);
         let how = (&settings, (-0.2, 0.4));
-        let curve = continue_end(&Turns.dynamics(), start, (period, false), how, &options).unwrap();
+        let curve =
+            Curve::of_end(&Turns.dynamics(), start, (period, false), how, &options).unwrap();
         assert_eq!(curve.at.what, CycleBifurcation::TwoFold);
         let off = off(&curve, [-0.2, 0.4], |q| math::sin(q) + q * q);
         assert!(off < 1e-10, "{tolerance:e}: {off:e}");
@@ -123,11 +122,11 @@ fn another_end_has_no_such_curve() {
     let options = Options::tol(1e-10);
     let (start, period) = settled(&Turns, [-0.9, 0.05, 0.1, 0.3], &options);
     let how = (&settings, (-0.2, 0.4));
-    let found = continue_end(&Turns.dynamics(), start, (period, false), how, &options);
+    let found = Curve::of_end(&Turns.dynamics(), start, (period, false), how, &options);
     assert!(matches!(found, Err(Error::NotFound { .. })), "{found:?}");
     // An end is not among the special orbits.
     let settings = ContinuationSettings::over(-0.5, 0.5);
     let how = (&settings, (-0.2, 0.4));
-    let found = continue_change(&Turns.dynamics(), start, (period, false, 0), how, &options);
+    let found = Curve::of_special(&Turns.dynamics(), start, (period, false, 0), how, &options);
     assert!(matches!(found, Err(Error::NotFound { .. })), "{found:?}");
 }

@@ -2,7 +2,6 @@
 
 use stickslip::analysis::{
     ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch, Stability, Stop,
-    continue_equilibrium,
 };
 use stickslip::{Error, Filippov, Mode, Options, Scalar, Side};
 
@@ -19,7 +18,7 @@ fn followed<const N: usize>(
     let settings = ContinuationSettings::over(low, high);
     // An equilibrium does not depend on the integration: one tolerance and method are enough.
     let options = Options::tol(1e-12);
-    continue_equilibrium(&system.dynamics(), start, upwards, &settings, &options)
+    EquilibriumBranch::through(&system.dynamics(), start, upwards, &settings, &options)
 }
 
 /// The centre of `r' = r (p + 2 r² - r⁴)` has a Hopf bifurcation at p = 0, with the frequency 1.
@@ -143,7 +142,7 @@ impl Filippov<2> for Circle {
 fn a_closed_branch_ends_where_it_began() {
     let (settings, options) = (ContinuationSettings::over(-2.0, 2.0), Options::tol(1e-12));
     for upwards in [false, true] {
-        let found = continue_equilibrium(&Circle, [1.0, 0.1], upwards, &settings, &options);
+        let found = EquilibriumBranch::through(&Circle, [1.0, 0.1], upwards, &settings, &options);
         let found = found.unwrap();
         let sign = if upwards { 1.0 } else { -1.0 };
         let folds: Vec<f64> = found.special.iter().map(|at| at.parameter * sign).collect();

@@ -1,9 +1,8 @@
 //! Curves of special equilibria in two parameters, compared with closed forms.
 
 use stickslip::analysis::{
-    ContinuationSettings, CurveStop, EquilibriumBifurcation, EquilibriumCurve,
-    EquilibriumCurveBifurcation, SpecialEquilibrium, continue_equilibrium,
-    continue_special_equilibrium,
+    ContinuationSettings, CurveStop, EquilibriumBifurcation, EquilibriumBranch, EquilibriumCurve,
+    EquilibriumCurveBifurcation, SpecialEquilibrium,
 };
 use stickslip::dynamics::{DynamicsRef, Vector};
 use stickslip::{Error, Filippov, Options, Scalar, Side, math};
@@ -54,7 +53,7 @@ fn curve<S: Planar + Copy>(
 ) -> EquilibriumCurve {
     let settings = ContinuationSettings::over(own.0, own.1);
     let options = Options::tol(1e-12);
-    let branch = continue_equilibrium(
+    let branch = EquilibriumBranch::through(
         &Traced::of(&Own(system, q)).dynamics(),
         start,
         upwards,
@@ -64,9 +63,8 @@ fn curve<S: Planar + Copy>(
     .unwrap();
     let mut special = branch.special.iter();
     let at = special.find(|at| at.what.to_string() == name).unwrap();
-    let curve = continue_special_equilibrium(
+    let curve = at.curve(
         &Traced::of(&Both(system)).dynamics(),
-        at,
         (q, &branch.sizes),
         (&settings, other),
     );
@@ -348,11 +346,11 @@ fn of_pairs(number: usize) -> (Vec<SpecialEquilibrium>, Result<EquilibriumCurve,
     (start[6], start[7]) = (5.0_f64.sqrt(), 3.0);
     let options = Options::tol(1e-12);
     let of_eight = Traced::of(&Pairs::<8>(0.5)).dynamics();
-    let branch = continue_equilibrium(&of_eight, start, false, &settings, &options);
+    let branch = EquilibriumBranch::through(&of_eight, start, false, &settings, &options);
     let special = branch.unwrap().special;
     let at = &special[number];
     let (how, ones) = ((&settings, (-2.5, 2.5)), Vector::repeat(7, 1.0));
-    let curve = continue_special_equilibrium(&of_nine(), at, (0.5, &ones), how);
+    let curve = at.curve(&of_nine(), (0.5, &ones), how);
     (special, curve)
 }
 
@@ -415,13 +413,13 @@ fn a_branch_point_has_no_curve_and_what_is_no_parameter_is_refused() {
     let ones = Vector::repeat(7, 1.0);
     let curve = |at: &SpecialEquilibrium, other: f64| {
         let how = (&settings, (-2.5, 2.5));
-        continue_special_equilibrium(&of_nine(), at, (other, &ones), how)
+        at.curve(&of_nine(), (other, &ones), how)
     };
     let error = curve(&branch_point, 0.5).unwrap_err();
     assert!(matches!(error, Error::NotFound { .. }), "{error}");
     let outside = ContinuationSettings::over(1.0, 3.0);
     let how = (&outside, (-2.5, 2.5));
-    let error = continue_special_equilibrium(&of_nine(), &special[0], (0.5, &ones), how);
+    let error = special[0].curve(&of_nine(), (0.5, &ones), how);
     let error = error.unwrap_err();
     assert!(
         matches!(
@@ -457,14 +455,10 @@ fn boundary_equilibria_of_a_relay_of_one_state_are_followed_to_the_ends_of_the_r
     let options = Options::tol(1e-12);
     for upwards in [false, true] {
         let branch =
-            continue_equilibrium(&Relay::<2>, [0.0, 0.3], upwards, &settings, &options).unwrap();
+            EquilibriumBranch::through(&Relay::<2>, [0.0, 0.3], upwards, &settings, &options)
+                .unwrap();
         let how = (&settings, (0.1, 2.0));
-        let found = continue_special_equilibrium(
-            &Relay::<3>,
-            &branch.special[0],
-            (1.0, &branch.sizes),
-            how,
-        );
+        let found = branch.special[0].curve(&Relay::<3>, (1.0, &branch.sizes), how);
         let found = found.unwrap();
         let sign = if upwards { 1.0 } else { -1.0 };
         lies_on(&found, |[m, p]| p - sign * (m + m * m * 0.1), 1e-12);
@@ -491,10 +485,10 @@ impl<const N: usize> Filippov<N> for Gate<N> {
 fn a_curve_does_not_go_where_a_guard_that_is_zero_at_its_beginning_is_negative() {
     let settings = ContinuationSettings::over(-1.0, 1.0);
     let options = Options::tol(1e-12);
-    let branch = continue_equilibrium(&Gate::<2>, [1.0, 0.0], false, &settings, &options).unwrap();
+    let branch =
+        EquilibriumBranch::through(&Gate::<2>, [1.0, 0.0], false, &settings, &options).unwrap();
     let (at, sizes, range) = (&branch.special[0], &branch.sizes, (0.0, 2.0));
-    let along =
-        |q: f64| continue_special_equilibrium(&Gate::<3>, at, (q, sizes), (&settings, range));
+    let along = |q: f64| at.curve(&Gate::<3>, (q, sizes), (&settings, range));
     let found = along(1.0).unwrap();
     assert_eq!(found.points[0].parameters[0], 1.0);
     assert_eq!(found.points.last().unwrap().parameters[0], 2.0);

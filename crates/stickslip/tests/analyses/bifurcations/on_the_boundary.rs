@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use crate::is_same_cycle;
 use stickslip::analysis::{
-    AttractorKind, ContinuationSettings, CycleBifurcation, SequenceBifurcation, Stop,
-    SweepSettings, WhatChanges, continue_periodic_orbit, find_periodic_orbit, multipliers,
+    AttractorKind, ContinuationSettings, CycleBifurcation, PeriodicOrbit, RecurrenceSettings,
+    SequenceBifurcation, Stop, WhatChanges, continue_periodic_orbit, multipliers,
 };
 use stickslip::{Method, Mode, Options, Side, math};
 
@@ -32,7 +32,8 @@ fn an_orbit_that_never_slips_is_found_with_its_multipliers() {
     };
     for (start, tolerance) in [([0.3, 0.4, 3.0], 1e-12), ([-2.0, 0.1, -1.0], 1e-9)] {
         let options = Options::tol(tolerance);
-        let cycle = find_periodic_orbit(&system.dynamics(), start, 3.0, 30.0, &options).unwrap();
+        let cycle =
+            PeriodicOrbit::approached(&system.dynamics(), start, 3.0, 30.0, &options).unwrap();
         let near = 1e3 * tolerance;
         assert!((cycle.period - 2.0 * PI).abs() < near, "{}", cycle.period);
         assert!((cycle.x.rows(0, 2).norm() - 1.0).abs() < near);
@@ -61,7 +62,8 @@ fn a_strongly_attracting_orbit_is_not_found_with_several_times_its_period() {
         for tolerance in [1e-9, 1e-10, 1e-11, 1e-12] {
             let (start, options) = ([1.0, 0.0, 0.0], Options::tol(tolerance).method(method));
             let cycle =
-                find_periodic_orbit(&system.dynamics(), start, 200.0, 100.0, &options).unwrap();
+                PeriodicOrbit::approached(&system.dynamics(), start, 200.0, 100.0, &options)
+                    .unwrap();
             assert!((cycle.period - PI).abs() < 1e-7, "{}", cycle.period);
         }
     }
@@ -123,7 +125,8 @@ fn where_it_begins_to_slip_is_located_from_both_sides() {
             system: PULLED,
             value: from,
         };
-        let cycle = find_periodic_orbit(&system.dynamics(), [0.9, 0.0, 0.8], 20.0, 30.0, &options);
+        let cycle =
+            PeriodicOrbit::approached(&system.dynamics(), [0.9, 0.0, 0.8], 20.0, 30.0, &options);
         let cycle = cycle.unwrap();
         let start = [cycle.x[0], cycle.x[1], cycle.x[2], from];
         for step in [0.02, 0.007] {
@@ -176,7 +179,7 @@ fn a_sweep_locates_it_and_tells_the_phases_on_both_sides() {
                 let system = Sheet { variant };
                 Box::leak(Box::new(AtParameter { system, value })).dynamics()
             };
-            let settings = SweepSettings::within(2000.0);
+            let settings = RecurrenceSettings::within(2000.0);
             let start = [0.9, 0.0, 0.0];
             let any = leaked(Sheet { variant }).dynamics();
             for (tolerance, options) in accuracies() {

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::is_same_cycle;
 use stickslip::analysis::{
-    AttractorChange, AttractorKind, ContinuationSettings, CycleBifurcation, RecurrenceSettings,
-    SequenceBifurcation, SequenceChange, Stop, SweepSettings, WhatChanges, attractor,
-    continue_periodic_orbit, periodic_orbit_forced,
+    AttractorChange, AttractorKind, ContinuationSettings, CycleBifurcation, PeriodicOrbit,
+    RecurrenceSettings, SequenceBifurcation, SequenceChange, Stop, WhatChanges, attractor,
+    continue_periodic_orbit,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Several, Side, State, math, solve};
@@ -35,7 +35,7 @@ fn changes(
         };
         Several(Duet([of(0), of(1)]))
     };
-    let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+    let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
     let start = [-0.5, -0.4];
     let any = Several(DuetFamily {
         rhythms,
@@ -248,7 +248,7 @@ fn a_slip_about_the_switch_of_another_contact_vanishes_at_a_known_friction() {
     // If it is always carried along, friction has no effect.
     let along = [0.0, 0.0, 0.0, 0.6];
     let along = solve(&system, 0.0, along, 40.0 * period, &options).unwrap();
-    let along = periodic_orbit_forced(&system, 0.0, along.x_end, period, &options).unwrap();
+    let along = PeriodicOrbit::near_forced(&system, 0.0, along.x_end, period, &options).unwrap();
     let start = State::from_column_slice(along.x.as_slice());
     let orbit = solve(&system, 0.0, start, period, &options).unwrap();
     let back = orbit.transitions.last().unwrap();

@@ -4,8 +4,8 @@
 use std::f64::consts::PI;
 
 use stickslip::analysis::{
-    ContinuationSettings, CycleBifurcation, SequenceBifurcation, Stop, SweepSettings, WhatChanges,
-    continue_periodic_orbit,
+    ContinuationSettings, CycleBifurcation, RecurrenceSettings, SequenceBifurcation, Stop,
+    WhatChanges, continue_periodic_orbit,
 };
 use stickslip::dynamics::Modes;
 use stickslip::{Mode, Options, Side, math, solve};
@@ -185,7 +185,7 @@ fn a_sweep_locates_them_however_wide_its_steps() {
             value,
         };
         let family = |value| leaked(family(value)).dynamics();
-        let settings = SweepSettings::within(500.0);
+        let settings = RecurrenceSettings::within(500.0);
         let any = Grip.dynamics();
         for (tolerance, options) in accuracies() {
             // With the least damping the motion grows without bound.
@@ -236,7 +236,7 @@ fn a_fold_is_reported_beside_the_graze_in_which_another_orbit_begins() {
         };
         leaked(system).dynamics()
     };
-    let settings = SweepSettings::within(4000.0).forced(period);
+    let settings = RecurrenceSettings::within(4000.0).forced(period);
     let (any, options) = (Dragged.dynamics(), Options::tol(1e-10));
     let (values, start) = ([0.26, 0.23], [0.5, 0.3]);
     let found = swept((family, &any), values, start, &settings, &options);

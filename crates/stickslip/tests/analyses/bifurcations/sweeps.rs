@@ -4,9 +4,9 @@ use std::f64::consts::{LN_10, PI};
 
 use crate::is_same_cycle;
 use stickslip::analysis::{
-    AttractorChange, AttractorKind, CycleBifurcation, Exponent, NotFollowed, SequenceBifurcation,
-    SequenceChange, SpectrumOptions, StepBudget, SweepPoint, SweepSettings, WhatChanges,
-    locate_changes, locate_changes_within, sweep,
+    AttractorChange, AttractorKind, CycleBifurcation, Exponent, NotFollowed, RecurrenceSettings,
+    SequenceBifurcation, SequenceChange, SpectrumOptions, StepBudget, SweepPoint, WhatChanges,
+    locate_changes, sweep,
 };
 use stickslip::dynamics::{self, Components};
 use stickslip::{Error, Mode, Options, Side, math, solve};
@@ -41,7 +41,7 @@ pub(super) fn swept<S: dynamics::AsDynamics<One>, One, Any>(
     systems: (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
     values: impl IntoIterator<Item = f64>,
     start: impl Components,
-    settings: &SweepSettings,
+    settings: &RecurrenceSettings,
     options: &Options,
 ) -> Swept {
     swept_and_located(systems, values, start, settings, [options; 2])
@@ -52,12 +52,11 @@ fn swept_and_located<S: dynamics::AsDynamics<One>, One, Any>(
     (family, system): (impl Fn(f64) -> S, &impl dynamics::AsDynamics<Any>),
     values: impl IntoIterator<Item = f64>,
     start: impl Components,
-    settings: &SweepSettings,
+    settings: &RecurrenceSettings,
     [options, finer]: [&Options; 2],
 ) -> Swept {
-    let points = sweep(family, values, start, settings, options).unwrap();
-    let forcing = settings.recurrence.forcing;
-    let changes = locate_changes(system, &points, forcing, finer).unwrap();
+    let points = sweep(family, values, start, (settings, None), options).unwrap();
+    let changes = locate_changes(system, &points, settings.forcing, (finer, None)).unwrap();
     Swept { points, changes }
 }
 
@@ -85,7 +84,7 @@ fn both_ways(
 ) -> Vec<(f64, [SequenceChange; 2])> {
     let both = accuracies().map(|(tolerance, options)| {
         let ways = [(from, to), (to, from)].map(|(from, to)| {
-            let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+            let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
             let family = |p| leaked(Beat { rhythm, p }).dynamics();
             let any = leaked(BeatFamily(rhythm)).dynamics();
             let values = values(from, to, 3);
@@ -114,7 +113,7 @@ fn each_way(
 fn a_change_that_a_value_hits_is_located() {
     for (tolerance, options) in accuracies() {
         for (beyond, end) in [(0.0, 0.95), (0.0, 1.05), (1e-12, 0.95), (1e-12, 1.05)] {
-            let settings = SweepSettings::within(400.0).forced(2.0 * PI);
+            let settings = RecurrenceSettings::within(400.0).forced(2.0 * PI);
             let rhythm = Rhythm::Touch;
             let family = |p| leaked(Beat { rhythm, p }).dynamics();
             let values = [2.0 - end, 1.0 - beyond, end];
@@ -156,7 +155,7 @@ fn multiplier(found: &Swept) -> ([f64; 2], &CycleBifurcation) {
 
 #[test]
 fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
-    let settings = SweepSettings::within(2000.0);
+    let settings = RecurrenceSettings::within(2000.0);
     for (tolerance, options) in accuracies() {
         let options = options.escape(100.0);
         for half_turn in [true, false] {
@@ -200,7 +199,7 @@ fn a_flip_a_torus_and_a_fold_of_an_attractor_are_located_and_named() {
 /// side the orbit of twice the period folds at the flip, which has the name by the shorter orbit.
 #[test]
 fn a_flip_that_a_value_of_the_sweep_hits_is_reported_once() {
-    let settings = SweepSettings::within(2000.0).forced(2.0 * PI);
+    let settings = RecurrenceSettings::within(2000.0).forced(2.0 * PI);
     // At looser tolerances a flip is located less precisely than a value can hit it.
     let finer = Options::tol(1e-13);
     for (_, options) in accuracies() {
@@ -322,7 +321,7 @@ fn den_hartog_s_orbits_have_stops_from_his_edge_on() {
             })
             .dynamics()
         };
-        let settings = SweepSettings::within(2e3).forced(2.0 * PI / frequency);
+        let settings = RecurrenceSettings::within(2e3).forced(2.0 * PI / frequency);
         let values = [edge - 0.02, edge + 0.03];
         let any = leaked(DenHartogFamily { frequency }).dynamics();
         for (tolerance, options) in accuracies() {
@@ -345,7 +344,7 @@ fn a_loss_of_stability_that_a_value_of_the_sweep_hits_is_located() {
     let focus = 0.5 * LN_10;
     let family = |vd| leaked(Driven { vd }).dynamics();
     for hit in [focus.next_down(), focus, focus.next_up()] {
-        let settings = SweepSettings::within(200.0);
+        let settings = RecurrenceSettings::within(200.0);
         let any = DrivenFamily.dynamics();
         let (values, start) = ([1.3, hit], [0.55, 0.0]);
         for (_, options) in accuracies() {
@@ -366,7 +365,7 @@ fn the_ends_of_bistability_are_found_by_sweeps_up_and_down() {
     // At half the logarithm of ten the falling friction cancels all damping: 0.1 = e^(-2 vd).
     let focus = 0.5 * LN_10;
     let family = |vd| leaked(Driven { vd }).dynamics();
-    let settings = SweepSettings::within(3e4);
+    let settings = RecurrenceSettings::within(3e4);
     let (any, tolerance) = (DrivenFamily.dynamics(), 1e-10);
     let options = Options::tol(tolerance);
     let (values_down, start) = (values(1.3, 1.0, 6), [0.55, 0.0]);
@@ -438,7 +437,7 @@ pub fn coming_back(damping: f64) -> f64 {
 #[test]
 fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named() {
     let exact = coming_back(FasterBelt::DAMPING);
-    let settings = SweepSettings::within(3e3);
+    let settings = RecurrenceSettings::within(3e3);
     let both = [0.02, 0.1].into_iter();
     for (width, (tolerance, options)) in
         both.flat_map(|width| accuracies().map(move |one| (width, one)))
@@ -483,7 +482,7 @@ fn with_static_friction_the_graze_that_ends_stick_and_slip_is_located_and_named(
 #[test]
 fn an_orbit_that_ends_or_fails_is_reported_and_the_next_one_begins_anew() {
     let options = Options::tol(1e-10).escape(20.0);
-    let settings = SweepSettings::within(1e3);
+    let settings = RecurrenceSettings::within(1e3);
     for end in [End::TwoFold, End::Pole] {
         let family = |p| leaked(Ends { end, p }).dynamics();
         let start = [-1.0, if end == End::TwoFold { 0.0 } else { 1.0 }];
@@ -546,13 +545,13 @@ pub fn touching() -> f64 {
 #[test]
 fn exponents_are_measured_where_they_are_asked_for() {
     let family = |vd| leaked(Driven { vd }).dynamics();
-    let mut settings = SweepSettings::within(3e4);
-    settings.spectrum = Some(SpectrumOptions::over(50.0, 500.0));
+    let settings = RecurrenceSettings::within(3e4);
+    let spectrum = SpectrumOptions::over(50.0, 500.0);
     let found = sweep(
         family,
         [1.5, 1.9],
         [0.0, 1.5],
-        &settings,
+        (&settings, Some(&spectrum)),
         &Options::tol(1e-9),
     )
     .unwrap();
@@ -566,9 +565,9 @@ fn exponents_are_measured_where_they_are_asked_for() {
 #[test]
 fn changes_are_located_on_a_system_with_the_parameter_as_its_last_state_only() {
     let family = |vd| leaked(Driven { vd }).dynamics();
-    let (settings, options) = (SweepSettings::within(3e4), Options::tol(1e-9));
-    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], &settings, &options).unwrap();
-    let refused = locate_changes(&family(1.5), &points, None, &options).unwrap_err();
+    let (settings, options) = (RecurrenceSettings::within(3e4), Options::tol(1e-9));
+    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], (&settings, None), &options).unwrap();
+    let refused = locate_changes(&family(1.5), &points, None, (&options, None)).unwrap_err();
     let Error::Parameter { name, value, .. } = refused else {
         panic!("{refused}");
     };
@@ -578,17 +577,17 @@ fn changes_are_located_on_a_system_with_the_parameter_as_its_last_state_only() {
 #[test]
 fn changes_are_followed_within_a_budget_of_steps() {
     let family = |vd| leaked(Driven { vd }).dynamics();
-    let (settings, options) = (SweepSettings::within(3e4), Options::tol(1e-9));
-    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], &settings, &options).unwrap();
+    let (settings, options) = (RecurrenceSettings::within(3e4), Options::tol(1e-9));
+    let points = sweep(family, [1.5, 1.9], [0.0, 1.5], (&settings, None), &options).unwrap();
     let taken: Vec<u64> = points.iter().map(|point| point.reached.steps).collect();
     assert!(taken.iter().all(|steps| *steps > 10), "{taken:?}");
     let finer = Options::tol(1e-13);
     let within = |budget: &StepBudget| {
-        locate_changes_within(&DrivenFamily, &points, None, &finer, budget).unwrap()
+        locate_changes(&DrivenFamily, &points, None, (&finer, Some(budget))).unwrap()
     };
     let ample = StepBudget::of(1 << 40);
     let found = within(&ample);
-    let all = locate_changes(&DrivenFamily, &points, None, &finer).unwrap();
+    let all = locate_changes(&DrivenFamily, &points, None, (&finer, None)).unwrap();
     // Steps are longer within a budget.
     let [[own], [other]] = [&found[..], &all[..]] else {
         panic!("{found:?} {all:?}");

@@ -1,9 +1,10 @@
 //! Branches that begin at flips and branch points, compared with closed forms.
 
 use std::f64::consts::PI;
+use std::num::NonZeroUsize;
 
 use stickslip::analysis::{
-    ContinuationSettings, CycleBifurcation, Stop, continue_periodic_orbit, switch_branches,
+    ContinuationSettings, CycleBifurcation, Stop, SwitchedBranch, continue_periodic_orbit,
 };
 use stickslip::{Error, Filippov, Method, Options, Scalar, Side, State, math};
 
@@ -44,11 +45,11 @@ fn the_branch_of_twice_the_period_begins_at_a_flip() {
     for method in [Method::Dop853, Method::Taylor] {
         let options = Options::tol(1e-12).method(method);
         let start = [1.0, 0.0, -0.1];
-        let found = switch_branches(
+        let found = SwitchedBranch::of_special(
             &Doubled.dynamics(),
             start,
             (2.0 * PI, true, 0),
-            &settings,
+            (&settings, NonZeroUsize::MIN),
             &options,
         );
         let found = found.unwrap();
@@ -78,11 +79,11 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
     let options = Options::tol(1e-12);
     let start = [1.0, 0.0, 0.0, -0.1];
     let system = Pitchfork;
-    let found = switch_branches(
+    let found = SwitchedBranch::of_special(
         &system.dynamics(),
         start,
         (2.0 * PI, true, 0),
-        &settings,
+        (&settings, NonZeroUsize::MIN),
         &options,
     );
     let found = found.unwrap();
@@ -116,11 +117,11 @@ fn both_ways_of_the_other_branch_begin_at_a_branch_point() {
             .iter()
             .all(|point| point.x[2].abs() < 1e-9)
     );
-    let none = switch_branches(
+    let none = SwitchedBranch::of_special(
         &system.dynamics(),
         start,
         (2.0 * PI, false, 0),
-        &settings,
+        (&settings, NonZeroUsize::MIN),
         &options,
     );
     assert!(matches!(none, Err(Error::NotFound { .. })), "{none:?}");
@@ -164,7 +165,14 @@ fn a_branch_is_followed_from_a_corner_and_through_a_fold_in_its_first_step() {
         for system in [Beside::Corner, Beside::Turning] {
             let (any, way) = (system.dynamics(), (2.0 * PI, true, 0));
             let start = [1.0, 0.0, 0.0, -0.1];
-            let found = switch_branches(&any, start, way, &settings, &options).unwrap();
+            let found = SwitchedBranch::of_special(
+                &any,
+                start,
+                way,
+                (&settings, NonZeroUsize::MIN),
+                &options,
+            )
+            .unwrap();
             is_within(found.at.parameter, found.at.uncertainty, tolerance);
             assert_eq!(found.branches.len(), 2);
             for branch in &found.branches {
@@ -206,7 +214,13 @@ fn a_branch_that_comes_back_to_its_branch_point_is_closed() {
         let start = [1.0, 0.0, 0.0, -0.1];
         let system = TwoPitchforks;
         let way = (2.0 * PI, true, 0);
-        let found = switch_branches(&system.dynamics(), start, way, &settings, &options);
+        let found = SwitchedBranch::of_special(
+            &system.dynamics(),
+            start,
+            way,
+            (&settings, NonZeroUsize::MIN),
+            &options,
+        );
         let found = found.unwrap();
         assert_eq!(found.branches.len(), 2);
         for branch in &found.branches {

@@ -3,7 +3,6 @@
 use stickslip::scalar::Dual;
 use stickslip::{
     Filippov, Locator, Mode, Options, Orbit, Side, State, StepRecord, Transition, TransitionKind,
-    components,
 };
 
 /// Tolerance of the comparisons with closed forms.
@@ -148,8 +147,8 @@ fn rounding_of_step<S: Filippov<N>, const N: usize>(system: &S, step: &StepRecor
         Mode::Slip(side) => side,
         Mode::Stick => Side::Below,
     };
-    let before = system.field(side, step.t_start, components(&step.x_start));
-    let after = system.field(side, step.t_end, components(&step.x_end));
+    let before = system.field(side, step.t_start, &step.x_start.into());
+    let after = system.field(side, step.t_end, &step.x_end.into());
     let slope = (0..N).map(|i| gradient[i].abs() * before[i].abs().max(after[i].abs()));
     32.0 * f64::EPSILON * (step.t_end - step.t_start) * slope.sum::<f64>()
 }
@@ -164,7 +163,7 @@ fn assert_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<
     for step in landings.chain(sticks) {
         let ulp = ulp_of_boundary(system, step.t_end, &step.x_end);
         let allowed = 4.0 * ulp + rounding_of_step(system, step);
-        let h = system.boundary(step.t_end, components(&step.x_end)).abs();
+        let h = system.boundary(step.t_end, &step.x_end.into()).abs();
         assert!(
             h <= allowed,
             "t = {}: |h| = {h}, allowed {allowed}",
@@ -178,7 +177,7 @@ fn assert_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<
 pub fn assert_lands_on_boundary<S: Filippov<N>, const N: usize>(system: &S, orbit: &Orbit<N>) {
     for change in changes(orbit) {
         let ulp = ulp_of_boundary(system, change.t, &change.x);
-        let h = system.boundary(change.t, components(&change.x)).abs();
+        let h = system.boundary(change.t, &change.x.into()).abs();
         assert!(
             h <= 4.0 * ulp,
             "{:?} at t = {}: |h| = {h}, ulp {ulp}",

@@ -98,58 +98,60 @@ fn aitken(values: &[f64]) -> f64 {
         }
 }
 
-/// Follows in two parameters the end of a branch of periodic orbits: a homoclinic orbit, a
-/// heteroclinic cycle, or a two-fold to which crossing orbits shrink.
-///
-/// **The parameters are the last two states**, as in [`super::continue_change`]. The curve is that
-/// of orbits of one period, long near a saddle and short near a two-fold (Doedel & Kernévez 1986).
-/// The parameter of the branch is extrapolated at each of them, to an infinite period or to zero,
-/// from orbits of other periods with the same other parameter. [`super::CurvePoint::uncertainty`]
-/// says how well. The curve ends where that does not determine the end to 1e-8 of the range. State
-/// and period are those of the orbit.
-///
-/// # Errors
-/// Those of [`crate::analysis::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has
-/// another end, or no curve continues from it.
-pub fn continue_end<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    (period, upwards): (f64, bool),
-    (settings, other): (&ContinuationSettings, (f64, f64)),
-    options: &Options,
-) -> Result<Curve, Error> {
-    let system = &*system.dynamics();
-    let start = (x.vector(), period, upwards);
-    let how = CurveSettings { settings, other };
-    follow_from(system, start, how, options, |continuation| {
-        let mut cycles: Vec<Cycle> = Vec::new();
-        let stop = continuation.go_on(&mut |branch| {
-            cycles.push(branch.last.clone());
-            ControlFlow::Continue(())
-        });
-        let last = &continuation.branch.last;
-        let at = stop.as_special(&last.anchor.x, last.period)?;
-        let end = match at.what {
-            CycleBifurcation::Homoclinic { .. } => EndPeriod::Infinite,
-            _ => EndPeriod::Zero,
-        };
-        let near = NEAR * continuation.branch.units.width;
-        let is_near = |one: &Cycle| (parameter_of(one) - at.parameter).abs() <= near;
-        let (shooting, units) = (&continuation.shooting, &continuation.branch.units);
-        // Farther along the curve it may be resolved less.
-        let is_resolved = |one: &Cycle| {
-            let place = end.place((shooting, units), one, 1e-2 * RESOLVED);
-            place.is_some()
-        };
-        let cycle = match end {
-            EndPeriod::Infinite => cycles
-                .into_iter()
-                .find(|one| is_near(one) && is_resolved(one)),
-            EndPeriod::Zero => None,
-        };
-        let cycle = cycle.unwrap_or_else(|| last.clone());
-        Some((at, CurveCondition::Period(cycle.period, end), cycle))
-    })
+impl Curve {
+    /// Follows in two parameters the end of a branch of periodic orbits: a homoclinic orbit, a
+    /// heteroclinic cycle, or a two-fold to which crossing orbits shrink.
+    ///
+    /// **The parameters are the last two states**, as in [`super::Curve::of_special`]. The curve is
+    /// that of orbits of one period, long near a saddle and short near a two-fold (Doedel &
+    /// Kernévez 1986). The parameter of the branch is extrapolated at each of them, to an infinite
+    /// period or to zero, from orbits of other periods with the same other parameter.
+    /// [`super::CurvePoint::uncertainty`] says how well. The curve ends where that does not
+    /// determine the end to 1e-8 of the range. State and period are those of the orbit.
+    ///
+    /// # Errors
+    /// Those of [`crate::analysis::continue_periodic_orbit`]; [`Error::NotFound`] where the branch
+    /// has another end, or no curve continues from it.
+    pub fn of_end<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        (period, upwards): (f64, bool),
+        (settings, other): (&ContinuationSettings, (f64, f64)),
+        options: &Options,
+    ) -> Result<Curve, Error> {
+        let system = &*system.dynamics();
+        let start = (x.vector(), period, upwards);
+        let how = CurveSettings { settings, other };
+        follow_from(system, start, how, options, |continuation| {
+            let mut cycles: Vec<Cycle> = Vec::new();
+            let stop = continuation.go_on(&mut |branch| {
+                cycles.push(branch.last.clone());
+                ControlFlow::Continue(())
+            });
+            let last = &continuation.branch.last;
+            let at = stop.as_special(&last.anchor.x, last.period)?;
+            let end = match at.what {
+                CycleBifurcation::Homoclinic { .. } => EndPeriod::Infinite,
+                _ => EndPeriod::Zero,
+            };
+            let near = NEAR * continuation.branch.units.width;
+            let is_near = |one: &Cycle| (parameter_of(one) - at.parameter).abs() <= near;
+            let (shooting, units) = (&continuation.shooting, &continuation.branch.units);
+            // Farther along the curve it may be resolved less.
+            let is_resolved = |one: &Cycle| {
+                let place = end.place((shooting, units), one, 1e-2 * RESOLVED);
+                place.is_some()
+            };
+            let cycle = match end {
+                EndPeriod::Infinite => cycles
+                    .into_iter()
+                    .find(|one| is_near(one) && is_resolved(one)),
+                EndPeriod::Zero => None,
+            };
+            let cycle = cycle.unwrap_or_else(|| last.clone());
+            Some((at, CurveCondition::Period(cycle.period, end), cycle))
+        })
+    }
 }
 
 impl Stop {

@@ -5,7 +5,9 @@ use super::super::tangent_line::TangentLine;
 use super::super::{CycleBifurcation, critical};
 use super::{CurveContinuation, EndPeriod};
 use crate::analysis::critical::{Critical, Pair};
-use crate::analysis::cycle::{Cycle, Margin, MarginKind, Outline, Path, Shooting, StepBudget};
+use crate::analysis::cycle::{
+    Cycle, Margin, MarginKind, OrbitGuess, Shooting, SolutionsOnLine, StepBudget,
+};
 use crate::dynamics::Vector;
 
 /// A function that vanishes on a curve.
@@ -106,7 +108,7 @@ impl CurveContinuation<'_> {
     pub(super) fn solve(
         &self,
         (condition, steps): (&CurveCondition, usize),
-        guess: &Outline,
+        guess: &OrbitGuess,
         plane: (&Vector, f64),
     ) -> Option<(Cycle, CurveCondition)> {
         // Orbits that a solution may compute. Chosen: far more than it does, also by half steps.

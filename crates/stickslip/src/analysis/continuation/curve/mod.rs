@@ -17,7 +17,6 @@ use crate::dynamics::{AsDynamics, Components, Dynamics, Vector};
 use crate::error::Error;
 use crate::filippov::Options;
 use branch_end::EndPeriod;
-pub use branch_end::continue_end;
 pub(super) use codimension_two::others;
 pub use codimension_two::{CurveBifurcation, CurveSpecialPoint};
 use condition::CurveCondition;
@@ -80,35 +79,39 @@ pub struct Curve {
     pub stops: [CurveStop; 2],
 }
 
-/// Follows in two parameters a special orbit of a branch of periodic orbits, by its number counted
-/// from 0. It is a change of the phases, a fold, a flip or a Neimark–Sacker bifurcation.
-///
-/// **The parameters are the last two states.** The last is the branch parameter, as in
-/// [`super::continue_periodic_orbit`]; the other is fixed on the branch and has the range `other`.
-/// In the plane across the curve, orbits form a branch. The function that vanishes at the special
-/// orbit has a zero on it, located as on any branch: a function of the multipliers or, at a change
-/// of the phases, any of the margins. So curves pass their own folds, and curves of folds pass
-/// cusps. Where two contacts switch at once, the phase between them keeps the duration zero.
-///
-/// # Errors
-/// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no such
-/// orbit, or no curve continues from it: a branch point has none.
-pub fn continue_change<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    (period, upwards, number): (f64, bool, usize),
-    (settings, other): (&ContinuationSettings, (f64, f64)),
-    options: &Options,
-) -> Result<Curve, Error> {
-    let system = &*system.dynamics();
-    let start = (x.vector(), period, upwards);
-    let how = CurveSettings { settings, other };
-    follow_from(system, start, how, options, |continuation| {
-        let junction = continuation.seek(|_| true, number)?;
-        let condition = CurveCondition::of(&junction)?;
-        let Junction { at, cycle, .. } = junction;
-        Some((at, condition, cycle))
-    })
+impl Curve {
+    /// Follows in two parameters a special orbit of a branch of periodic orbits, by its number
+    /// counted from 0. It is a change of the phases, a fold, a flip or a Neimark–Sacker
+    /// bifurcation.
+    ///
+    /// **The parameters are the last two states.** The last is the branch parameter, as in
+    /// [`super::continue_periodic_orbit`]; the other is fixed on the branch and has the range
+    /// `other`. In the plane across the curve, orbits form a branch. The function that vanishes at
+    /// the special orbit has a zero on it, located as on any branch: a function of the multipliers
+    /// or, at a change of the phases, any of the margins. So curves pass their own folds, and
+    /// curves of folds pass cusps. Where two contacts switch at once, the phase between them keeps
+    /// the duration zero.
+    ///
+    /// # Errors
+    /// Those of [`super::continue_periodic_orbit`]; [`Error::NotFound`] where the branch has no
+    /// such orbit, or no curve continues from it: a branch point has none.
+    pub fn of_special<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        (period, upwards, number): (f64, bool, usize),
+        (settings, other): (&ContinuationSettings, (f64, f64)),
+        options: &Options,
+    ) -> Result<Curve, Error> {
+        let system = &*system.dynamics();
+        let start = (x.vector(), period, upwards);
+        let how = CurveSettings { settings, other };
+        follow_from(system, start, how, options, |continuation| {
+            let junction = continuation.seek(|_| true, number)?;
+            let condition = CurveCondition::of(&junction)?;
+            let Junction { at, cycle, .. } = junction;
+            Some((at, condition, cycle))
+        })
+    }
 }
 
 /// The ranges of both parameters, and how the curve is followed.

@@ -6,7 +6,7 @@ use super::super::stepping::SHORTER;
 use super::super::tangent_line::TangentLine;
 use super::condition::CurveCondition;
 use super::{CurveContinuation, CurvePoint, CurveSpecialPoint, CurveStop};
-use crate::analysis::cycle::{Cycle, Outline};
+use crate::analysis::cycle::{Cycle, OrbitGuess};
 
 /// An orbit of the curve, and how the curve goes on from there.
 pub(super) struct CurvePosition {
@@ -37,7 +37,7 @@ impl CurveContinuation<'_> {
     }
 
     /// The line through the second of two orbits of the curve, in the direction from the first.
-    pub(super) fn secant(&self, from: &Outline, to: &Cycle) -> Option<TangentLine> {
+    pub(super) fn secant(&self, from: &OrbitGuess, to: &Cycle) -> Option<TangentLine> {
         let direction = to.outline.unknowns() - from.unknowns();
         TangentLine::along(&self.shooting, &self.units, to, direction)
     }

@@ -13,7 +13,7 @@ use crate::analysis::attractors::equilibrium::{
 };
 use crate::analysis::critical::RESOLVED_PLACE;
 use crate::analysis::cycle::{
-    AT_ZERO, LocatedZero, Path, SAFETY, SolutionFunction, resolved, unit,
+    AT_ZERO, LocatedZero, SAFETY, SolutionFunction, SolutionsOnLine, resolved, unit,
 };
 use crate::analysis::multipliers::eigenvalues;
 use crate::analysis::stability::Stability;
@@ -121,96 +121,100 @@ pub struct EquilibriumBranch {
     pub stop: Stop,
 }
 
-/// Follows the equilibrium near `x` from its parameter upwards or downwards by pseudo-arclength.
-/// Plain Newton steps lead from `x` to it, so `x` must be close to it.
-/// Its mode is the one that the system takes there, or one that differs from it in one contact.
-/// States that jumps alone change keep their values.
-/// **The parameter is the last state**, as in [`super::continue_periodic_orbit`]. Folds, branch
-/// points and Hopf bifurcations are zeros of functions of the Jacobian. A boundary equilibrium is a
-/// zero of a guard of the mode. The branch continues with the equilibrium of another mode of that
-/// contact that begins there, if there is one.
-///
-/// # Errors
-/// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last state
-/// is no parameter; [`Error::NotFound`] where there is no equilibrium near the start, or where it
-/// belongs to a set of equilibria at the same parameter.
-///
-/// ```
-/// use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, continue_equilibrium};
-/// use stickslip::{Filippov, Options, Scalar, Side};
-///
-/// /// A block on a belt of speed v, with damping 0.1 and friction that falls with the slip speed.
-/// struct Block;
-/// impl Filippov<3> for Block {
-///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
-///         let slip_speed = (x[1] - x[2]) * side.sign();
-///         let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
-///         [x[1], -x[0] - x[1] * 0.1 - friction, T::constant(0.0)]
-///     }
-///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
-///         x[1] - x[2]
-///     }
-/// }
-///
-/// let settings = ContinuationSettings::over(0.5, 2.0);
-/// let start = [0.5, 0.0, 2.0];
-/// let branch = continue_equilibrium(&Block, start, false, &settings, &Options::tol(1e-12))?;
-/// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
-/// let EquilibriumBifurcation::Hopf { frequency } = branch.special[0].what else { panic!() };
-/// assert!((branch.special[0].parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);
-/// assert!((frequency - 1.0).abs() < 1e-12);
-/// # Ok::<(), stickslip::Error>(())
-/// ```
-pub fn continue_equilibrium<Kind>(
-    system: &impl AsDynamics<Kind>,
-    x: impl Components,
-    upwards: bool,
-    settings: &ContinuationSettings,
-    options: &Options,
-) -> Result<EquilibriumBranch, Error> {
-    settings.check()?;
-    let system = &*system.dynamics();
-    let x = x.vector();
-    check_start(&x, 1, settings)?;
-    let (at, width) = (Moment { t: 0.0, x }, settings.range.1 - settings.range.0);
-    let mode = system.begin(&at, at.t + 1.0, options, &[])?;
-    let mode = mode.mode();
-    let last = at.x.len() - 1;
-    let rate = system.flow(mode, &at).velocity(&at)[last];
-    check_rate(rate)?;
-    let largest = at.x.rows(0, last).amax();
-    let largest = if largest > 0.0 { largest } else { 1.0 };
-    let mut units = Vector::repeat(last + 1, largest);
-    units[last] = width;
-    let mut continuation = EquilibriumContinuation {
-        system,
-        settings,
-        units,
-        largest,
-        parameters: 1,
-    };
-    let by_parameter = unit(last + 1, last);
-    let near = |mode: Modes| continuation.solve(mode, &at.x, &[&by_parameter]);
-    let is_held = |one: &BranchEquilibrium| holds(system, one.mode, &one.at);
-    let modes = std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
-    let first = modes.filter_map(near).find(is_held);
-    if let Some(first) = &first {
-        continuation.units = continuation.units_at(first, options);
+impl EquilibriumBranch {
+    /// Follows the equilibrium near `x` from its parameter upwards or downwards by
+    /// pseudo-arclength. Plain Newton steps lead from `x` to it, so `x` must be close to it. Its
+    /// mode is the one that the system takes there, or one that differs from it in one contact.
+    /// States that jumps alone change keep their values. **The parameter is the last state**, as in
+    /// [`super::continue_periodic_orbit`]. Folds, branch points and Hopf bifurcations are zeros of
+    /// functions of the Jacobian. A boundary equilibrium is a zero of a guard of the mode. The
+    /// branch continues with the equilibrium of another mode of that contact that begins there, if
+    /// there is one.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for a setting that is not allowed; [`Error::Parameter`] where the last
+    /// state is no parameter; [`Error::NotFound`] where there is no equilibrium near the start, or
+    /// where it belongs to a set of equilibria at the same parameter.
+    ///
+    /// ```
+    /// use stickslip::analysis::{ContinuationSettings, EquilibriumBifurcation, EquilibriumBranch};
+    /// use stickslip::{Filippov, Options, Scalar, Side};
+    ///
+    /// /// A block on a belt of speed v, with damping 0.1 and falling friction.
+    /// struct Block;
+    /// impl Filippov<3> for Block {
+    ///     fn field<T: Scalar>(&self, side: Side, _t: T, x: &[T; 3]) -> [T; 3] {
+    ///         let slip_speed = (x[1] - x[2]) * side.sign();
+    ///         let friction = ((slip_speed * -2.0).exp() * 0.5 + 0.5) * side.sign();
+    ///         [x[1], -x[0] - x[1] * 0.1 - friction, T::constant(0.0)]
+    ///     }
+    ///     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 3]) -> T {
+    ///         x[1] - x[2]
+    ///     }
+    /// }
+    ///
+    /// let settings = ContinuationSettings::over(0.5, 2.0);
+    /// let start = [0.5, 0.0, 2.0];
+    /// let options = Options::tol(1e-12);
+    /// let branch = EquilibriumBranch::through(&Block, start, false, &settings, &options)?;
+    /// // The slope of the friction takes the damping: 0.1 = exp(-2 v).
+    /// let EquilibriumBifurcation::Hopf { frequency } = branch.special[0].what else { panic!() };
+    /// assert!((branch.special[0].parameter - 0.5 * 10.0_f64.ln()).abs() < 1e-12);
+    /// assert!((frequency - 1.0).abs() < 1e-12);
+    /// # Ok::<(), stickslip::Error>(())
+    /// ```
+    pub fn through<Kind>(
+        system: &impl AsDynamics<Kind>,
+        x: impl Components,
+        upwards: bool,
+        settings: &ContinuationSettings,
+        options: &Options,
+    ) -> Result<EquilibriumBranch, Error> {
+        settings.check()?;
+        let system = &*system.dynamics();
+        let x = x.vector();
+        check_start(&x, 1, settings)?;
+        let (at, width) = (Moment { t: 0.0, x }, settings.range.1 - settings.range.0);
+        let mode = system.begin(&at, at.t + 1.0, options, &[])?;
+        let mode = mode.mode();
+        let last = at.x.len() - 1;
+        let rate = system.flow(mode, &at).velocity(&at)[last];
+        check_rate(rate)?;
+        let largest = at.x.rows(0, last).amax();
+        let largest = if largest > 0.0 { largest } else { 1.0 };
+        let mut units = Vector::repeat(last + 1, largest);
+        units[last] = width;
+        let mut continuation = EquilibriumContinuation {
+            system,
+            settings,
+            units,
+            largest,
+            parameters: 1,
+        };
+        let by_parameter = unit(last + 1, last);
+        let near = |mode: Modes| continuation.solve(mode, &at.x, &[&by_parameter]);
+        let is_held = |one: &BranchEquilibrium| holds(system, one.mode, &one.at);
+        let modes =
+            std::iter::once(mode).chain((0..mode.iter().count()).flat_map(|k| others(mode, k)));
+        let first = modes.filter_map(near).find(is_held);
+        if let Some(first) = &first {
+            continuation.units = continuation.units_at(first, options);
+        }
+        let by_own_units = |one: BranchEquilibrium| {
+            let again = continuation.solve(one.mode, &one.at.x, &[&by_parameter]);
+            again.filter(|one| continuation.is_isolated(one))
+        };
+        let not_found = Error::NotFound {
+            what: "an equilibrium near the start of the branch that is none of a set of equilibria",
+            t: at.t,
+            span: 0.0,
+        };
+        let first = first.and_then(by_own_units).ok_or(not_found.clone())?;
+        let sign = if upwards { 1.0 } else { -1.0 };
+        continuation
+            .follow(first, &(by_parameter * sign))
+            .ok_or(not_found)
     }
-    let by_own_units = |one: BranchEquilibrium| {
-        let again = continuation.solve(one.mode, &one.at.x, &[&by_parameter]);
-        again.filter(|one| continuation.is_isolated(one))
-    };
-    let not_found = Error::NotFound {
-        what: "an equilibrium near the start of the branch that is none of a set of equilibria",
-        t: at.t,
-        span: 0.0,
-    };
-    let first = first.and_then(by_own_units).ok_or(not_found.clone())?;
-    let sign = if upwards { 1.0 } else { -1.0 };
-    continuation
-        .follow(first, &(by_parameter * sign))
-        .ok_or(not_found)
 }
 
 /// Modes with another mode of a contact.
@@ -275,7 +279,7 @@ pub(super) struct EquilibriumTangent {
     pub direction: Vector,
     /// The plane across it.
     pub row: Vector,
-    /// With two parameters, a plane along it in which its equilibria lie.
+    /// A plane along it in which its equilibria lie, with two parameters.
     pub plane: Option<Vector>,
 }
 
@@ -302,7 +306,7 @@ pub(super) struct EquilibriaOnLine<'l> {
     line: &'l EquilibriumTangent,
 }
 
-impl Path for EquilibriaOnLine<'_> {
+impl SolutionsOnLine for EquilibriaOnLine<'_> {
     type Solution = BranchEquilibrium;
 
     fn on(&self, place: f64) -> Option<BranchEquilibrium> {

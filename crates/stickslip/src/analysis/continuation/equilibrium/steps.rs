@@ -13,7 +13,9 @@ use super::{
     others,
 };
 use crate::analysis::attractors::equilibrium::{ZERO, holds};
-use crate::analysis::cycle::{LocatedZero, Path, SolutionFunction, unit, with_last_digits};
+use crate::analysis::cycle::{
+    LocatedZero, SolutionFunction, SolutionsOnLine, unit, with_last_digits,
+};
 use crate::analysis::multipliers::{eigenvalues, uncertainties};
 use crate::dynamics::{Matrix, Vector};
 

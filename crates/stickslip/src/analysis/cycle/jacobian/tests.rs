@@ -1,7 +1,7 @@
 //! The chain against the dense matrix of the same equations.
 
 use super::*;
-use crate::analysis::cycle::{Cut, Cycle, Shooting};
+use crate::analysis::cycle::{Cycle, Shooting, ShootingNodes};
 use crate::dynamics::{AsDynamics, Matrix, Moment};
 use crate::{Filippov, Options, Scalar, Side, math};
 
@@ -41,8 +41,8 @@ fn orbit(system: &Block, (start, period): ([f64; 3], f64), doublings: u32) -> Cy
         t: 40.0 * guess,
         x: settled.x,
     };
-    let outline = Outline::of_run(system, &at, guess, &options).unwrap();
-    let with_states = |outline: &Outline, times: f64| Shooting {
+    let outline = OrbitGuess::of_run(system, &at, guess, &options).unwrap();
+    let with_states = |outline: &OrbitGuess, times: f64| Shooting {
         states: 2,
         forced: forced.map(|period| times * period),
         ..Shooting::of(system, outline, None, &options)
@@ -62,7 +62,7 @@ fn orbit(system: &Block, (start, period): ([f64; 3], f64), doublings: u32) -> Cy
         1 => begin(0),
         _ => cut.states.last().unwrap().clone(),
     };
-    outline.cut = Some(Cut {
+    outline.cut = Some(ShootingNodes {
         number: cut.number,
         states: begins.chain([middle]).collect(),
     });

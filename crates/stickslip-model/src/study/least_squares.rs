@@ -1,7 +1,7 @@
 //! Nonlinear least squares within bounds, for residuals that are smooth in pieces.
 
-use crate::dynamics::{Matrix, Vector};
-use nalgebra::{QR, SVD};
+use stickslip::dynamics::{Matrix, Vector};
+use stickslip::nalgebra::{QR, SVD};
 
 /// Least part of the predicted decrease with which a step is taken (Moré, as in MINPACK).
 const LEAST_RATIO: f64 = 1e-4;

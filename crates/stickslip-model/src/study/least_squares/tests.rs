@@ -4,9 +4,9 @@
 use std::convert::Infallible;
 
 use super::*;
-use crate::Scalar;
-use crate::math::{atan2, cos, exp, sin};
-use crate::scalar::Dual;
+use stickslip::Scalar;
+use stickslip::math::{atan2, cos, exp, sin};
+use stickslip::scalar::Dual;
 
 fn unbounded(count: usize) -> LeastSquaresSettings {
     LeastSquaresSettings {
@@ -388,7 +388,7 @@ fn failures_shorten_steps_and_are_counted() {
     // The logarithm has no value where the first step of the residual's line leads.
     let of = |x: &Vector| match x[0] > 0.0 {
         true => Ok(Residuals {
-            values: Vector::from_vec(vec![crate::math::ln(x[0])]),
+            values: Vector::from_vec(vec![stickslip::math::ln(x[0])]),
             jacobian: Matrix::from_element(1, 1, 1.0 / x[0]),
             piece: (),
             constraints: 0,

@@ -4,9 +4,9 @@ use super::{
     Iterate, LEAST_RATIO, LeastSquares, LeastSquaresEnd, LeastSquaresSettings, Minimisation, Model,
     Residuals,
 };
-use crate::dynamics::{Matrix, Vector};
-use crate::math::product;
-use nalgebra::QR;
+use stickslip::dynamics::{Matrix, Vector};
+use stickslip::math::product;
+use stickslip::nalgebra::QR;
 
 /// Part of the radius within which a step goes to the constraints (Byrd and Omojokun).
 const NORMAL_PART: f64 = 0.8;
