@@ -186,10 +186,40 @@ fn slopes(functions: &Tape, count: usize, t: f64, x: &[f64]) -> Vec<Slopes> {
     (0..count).map(of).collect()
 }
 
-/// Whether a function is negative by more than rounding of the state and time.
-pub(super) fn is_clearly_negative(function: &Tape, t: f64, x: &[f64]) -> bool {
+/// A motion along which the sign of a function is asked for.
+#[derive(Clone, Copy)]
+pub(super) struct Motion<'a> {
+    /// Rates of the states.
+    pub rates: &'a [f64],
+    /// What the location of a zero has left of the function there.
+    pub left: f64,
+}
+
+/// The sign that a function has from a moment on: of its value, or of its rate along the motion
+/// where the value is rounding. Zero where both are, or without a motion.
+pub(super) fn sign_from(function: &Tape, (t, x): (f64, &[f64]), motion: Option<Motion<'_>>) -> f64 {
+    let of = |value: f64, rounding: f64| match value.abs() > rounding {
+        true => value.signum(),
+        false => 0.0,
+    };
     let mut all = slopes(function, 1, t, x).into_iter();
-    all.any(|one| one.value < -ROUNDING * one.size(t, x))
+    let sign = all.next().map(|one| {
+        let rounding = ROUNDING * one.size(t, x);
+        let Some(Motion { rates, left }) = motion else {
+            return of(one.value, rounding);
+        };
+        let parts = one.by_state.iter().zip(rates);
+        let parts = parts.map(|(slope, rate)| slope * rate).chain([one.in_time]);
+        let (rate, speed) = parts.fold((0.0, 0.0), |(rate, speed), part| {
+            (rate + part, speed + part.abs())
+        });
+        // The instant is known to the rounding of time.
+        match of(one.value, left.max(rounding + ROUNDING * speed * t.abs())) {
+            0.0 => of(rate, ROUNDING * speed),
+            sign => sign,
+        }
+    });
+    sign.unwrap_or(0.0)
 }
 
 /// Whether a function of time alone, as far as the first `states` are concerned, is zero at a

@@ -82,6 +82,8 @@ enum ImpactCause {
     Impact(usize),
     /// The landing of a stop.
     Landing(usize),
+    /// The lift-off from a stop. Others that have let go in the same instant take no part.
+    LiftOff(usize),
     /// A jump, and by how much it has changed the rate of each gap.
     Jump(Vec<f64>),
 }
@@ -161,7 +163,7 @@ impl Impacts {
 
     /// The states after a stop has let go.
     pub fn lift_off<T: Scalar>(&self, stop: usize, t: T, x: &mut [T]) {
-        self.land(stop, t, x);
+        self.changed(&ImpactCause::LiftOff(stop), t, x);
         x[self.closed[stop]] = T::zero();
     }
 
@@ -258,10 +260,13 @@ impl Impacts {
     /// nothing changes.
     fn struck<T: Scalar>(&self, cause: &ImpactCause, t: T, x: &[T]) -> Option<Strike<T>> {
         let impact = match cause {
-            ImpactCause::Impact(stop) | ImpactCause::Landing(stop) => Some(*stop),
+            ImpactCause::Impact(stop) | ImpactCause::Landing(stop) | ImpactCause::LiftOff(stop) => {
+                Some(*stop)
+            }
             ImpactCause::Jump(_) => None,
         };
-        let lands = matches!(cause, ImpactCause::Landing(_));
+        let lands = matches!(cause, ImpactCause::Landing(_) | ImpactCause::LiftOff(_));
+        let may_touch = matches!(cause, ImpactCause::Impact(_) | ImpactCause::Landing(_));
         let count = self.closed.len();
         let width = OF_STOP + count;
         let parts = self.evaluated(t, x);
@@ -272,7 +277,7 @@ impl Impacts {
                 let is_closed = x[self.closed[stop]].value() > 0.5;
                 // The instant is known to the rounding of time.
                 let size = of(stop, 1).value() + (rate.value() * t.value()).abs();
-                let touches = impact.is_some() && gap.value() <= ROUNDING * size;
+                let touches = may_touch && gap.value() <= ROUNDING * size;
                 let takes_part = impact == Some(stop) || is_closed || touches;
                 let is_kicked = match cause {
                     ImpactCause::Jump(kicks) => kicks[stop] != 0.0,

@@ -8,7 +8,7 @@ use stickslip::dynamics::{Comparison, Jumps};
 use stickslip::scalar::{Dual, Interval};
 use stickslip::{Direction, Scalar};
 
-use super::conditions::{Choice, JumpCondition, StateMap, is_clearly_negative, passes_by_time};
+use super::conditions::{Choice, JumpCondition, Motion, StateMap, passes_by_time, sign_from};
 use super::impacts::Impacts;
 use crate::expression::{Place, Tape};
 use crate::file::StopEvent;
@@ -421,40 +421,71 @@ impl Switching {
         }
     }
 
-    /// Opens those of the stops that an impact has closed whose reactions would pull: the body is
-    /// at rest on such a stop for an instant only. A lift-off in that instant would be a second
-    /// event whose time the first one decides.
-    ///
-    /// As few open as possible, so that no other reaction pulls, and that of each would pull if it
-    /// alone were closed as well. None where no choice does.
+    /// Opens those of the stops that an impact has closed that let go at once: the body is at rest
+    /// on such a stop for an instant only. A lift-off in that instant would be a second event whose
+    /// time the first one decides. Stops that carried before have lift-offs of their own.
     fn release<T: Scalar>(&self, impacts: &Impacts, carried: &[bool], t: T, x: &mut [T]) {
-        let closed = impacts.closed.iter().zip(carried).enumerate();
-        let new: Vec<(usize, &Tape)> = closed
-            .filter(|(_, (closed, carried))| x[**closed].value() > 0.5 && !**carried)
-            .filter_map(|(stop, (closed, _))| Some((*closed, self.reaction(stop)?)))
-            .collect();
+        let carries = impacts.carrying(x);
+        if carries
+            .iter()
+            .zip(carried)
+            .all(|(now, before)| !now || *before)
+        {
+            return;
+        }
         let values: Vec<f64> = x.iter().map(|x| x.value()).collect();
-        let is_open = |set: usize, number: usize| set & 1 << number != 0;
-        let pulls = |set: usize, number: usize| {
-            let mut x = values.clone();
-            for (other, (closed, _)) in new.iter().enumerate() {
-                x[*closed] = f64::from(u8::from(!is_open(set, other)));
-            }
-            is_clearly_negative(new[number].1, t.value(), &x)
-        };
-        let mut sets: Vec<usize> = (0..1 << new.len()).collect();
-        sets.sort_by_key(|set| set.count_ones());
-        let follows = |set: &usize| {
-            let mut all = 0..new.len();
-            // With a stop closed that the set opens, the reaction there must pull.
-            all.all(|number| pulls(*set & !(1 << number), number) == is_open(*set, number))
-        };
-        let set = sets.into_iter().find(follows).unwrap_or(0);
-        for (number, (closed, _)) in new.iter().enumerate() {
-            if is_open(set, number) {
+        let opened = self.letting_go(impacts, (t.value(), &values), None);
+        for (stop, closed) in impacts.closed.iter().enumerate() {
+            if opened & 1 << stop != 0 && !carried[stop] {
                 x[*closed] = T::zero();
             }
         }
+    }
+
+    /// The stops that let go from a moment on, as bits. They are the smallest set such that without
+    /// it no reaction pulls, and that of each in it would pull if it alone carried as well: its gap
+    /// opens. So reactions and the second derivatives of gaps are complementary.
+    ///
+    /// Along the motion to the lift-off of a stop that is `due`, rates decide where a reaction
+    /// vanishes. That stop lets go where no set follows the rule; without one, none does.
+    fn letting_go(
+        &self,
+        impacts: &Impacts,
+        (t, x): (f64, &[f64]),
+        due: Option<(usize, Motion<'_>)>,
+    ) -> usize {
+        let closed = impacts.carrying(x).into_iter().enumerate();
+        let all: Vec<(usize, &Tape)> = closed
+            .filter(|(_, carries)| *carries)
+            .filter_map(|(stop, _)| Some((stop, self.reaction(stop)?)))
+            .collect();
+        let is_due = |stop: usize| due.is_some_and(|(due, _)| due == stop);
+        let follows = |set: &usize| {
+            all.iter().all(|&(stop, reaction)| {
+                let is_open = set & 1 << stop != 0;
+                let mut x = x.to_vec();
+                for &(other, _) in &all {
+                    let carries = other == stop || set & 1 << other == 0;
+                    x[impacts.closed[other]] = f64::from(u8::from(carries));
+                }
+                let motion = due.map(|(_, motion)| Motion {
+                    left: if is_due(stop) { motion.left } else { 0.0 },
+                    ..motion
+                });
+                let sign = sign_from(reaction, (t, &x), motion);
+                // A reaction that has come to zero is about to pull.
+                let pulls = sign < 0.0 || sign == 0.0 && is_due(stop);
+                pulls == is_open
+            })
+        };
+        let bits = |chosen: usize| {
+            let chosen = all.iter().enumerate().filter(|(i, _)| chosen & 1 << i != 0);
+            chosen.fold(0, |set, (_, (stop, _))| set | 1 << stop)
+        };
+        let mut sets: Vec<usize> = (0..1 << all.len()).map(bits).collect();
+        sets.sort_by_key(|set| set.count_ones());
+        let own = due.map_or(0, |(stop, _)| 1 << stop);
+        sets.into_iter().find(follows).unwrap_or(own)
     }
 
     /// The function of a stop's lift-off.
@@ -565,6 +596,21 @@ impl<const N: usize> Jumps<N> for Switching {
 
     fn happens(&self, jump: usize, t: f64, x: &[f64; N]) -> bool {
         Switching::happens(self, jump, t, x)
+    }
+
+    fn lets_go(&self, jump: usize, at: (f64, &[f64; N]), velocity: &[f64; N], left: f64) -> bool {
+        match (self.jumps[jump].of_stop, &self.impacts) {
+            (Some((stop, StopEvent::LiftOff)), Some(impacts)) => {
+                let (t, x) = at;
+                let motion = Motion {
+                    rates: velocity,
+                    left,
+                };
+                let opened = self.letting_go(impacts, (t, x), Some((stop, motion)));
+                opened & 1 << stop != 0
+            }
+            _ => true,
+        }
     }
 
     fn is_tied(&self, jump: usize, t: f64, x: &[f64; N]) -> bool {

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use stickslip::dynamics::{Modes, OrbitProgress, Vector};
 use stickslip::{Mode, math};
+use stickslip_model::file::SystemFile;
 use stickslip_model::kernel::follow;
 
 use crate::run::{METHODS, end, options, parsed, simulated, system};
@@ -150,6 +151,17 @@ fn a_field_has_the_friction_of_a_contact_by_its_function() {
         "{refused}"
     );
     assert!(refused.contains("friction(belt)"), "{refused}");
+    let source = stickslip_model::file::Source {
+        name: "system.toml".to_owned(),
+        text: BELT.replace(
+            "[field]",
+            "[contacts.side]\nboundary = \"x\"\n\
+                                       friction = \"0.5*belt.force\"\n[field]",
+        ),
+    };
+    let refused = SystemFile::parse(source).unwrap_err().to_string();
+    let remedy = "is [stops.NAME], with friction = \"mu*NAME.force\"";
+    assert!(refused.contains(remedy), "{refused}");
     let belt = parsed(BELT).with(&[]).unwrap();
     let unknown = belt
         .quantities(&[("force", "belt.forces")])
@@ -193,19 +205,25 @@ fn the_absolute_value_of_a_boundary_has_no_kink() {
     }
 }
 
-/// The spring exceeds the static limit of a law with a root, and the block is released.
+/// The spring exceeds the static limit of a law with a root, and the block is released, however the
+/// distance is written.
 #[test]
-fn a_law_with_a_root_keeps_its_absolute_value() {
-    let text = BELT
-        .replace("0.4/(1 + 3*belt*(v - 0.2))", "0.2 + 0.3*sqrt(abs(v - 0.2))")
-        .replace("static = 0.5\n", "")
-        .replace("-2*x", "-x")
-        .replace("x = 0.5\n", "x = 0.1\n");
-    for method in METHODS {
-        let (run, transitions) = simulated(&text, method, 5.0);
-        assert_eq!(transitions[0].1, "stick exit", "{method}: {transitions:?}");
-        assert!((transitions[0].0 - 0.5).abs() < 1e-9, "{method}");
-        assert!((end(&run, "x") - 0.281_175_749).abs() < 1e-7, "{method}");
+fn a_law_with_a_root_lets_go() {
+    let by_side = "by_side(belt, 0.2 - v, v - 0.2)";
+    for distance in ["abs(v - 0.2)", "belt*(v - 0.2)", by_side] {
+        let text = BELT
+            .replace("0.4/(1 + 3*belt*(v - 0.2))", "0.2 + 0.3*sqrt(D)")
+            .replace("sqrt(D)", &format!("sqrt({distance})"))
+            .replace("static = 0.5\n", "")
+            .replace("-2*x", "-x")
+            .replace("x = 0.5\n", "x = 0.1\n");
+        for method in METHODS {
+            let (run, transitions) = simulated(&text, method, 5.0);
+            let (t, kind, _) = &transitions[0];
+            assert_eq!(*kind, "stick exit", "{method}, {distance}: {transitions:?}");
+            assert!((t - 0.5).abs() < 1e-9, "{method}");
+            assert!((end(&run, "x") - 0.281_175_749).abs() < 1e-7, "{method}");
+        }
     }
 }
 

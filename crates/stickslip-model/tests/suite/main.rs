@@ -48,6 +48,7 @@ mod special_orbits;
 mod statistics;
 mod stops;
 mod stops_in_analyses;
+mod stops_together;
 mod stops_with_friction;
 mod sweeps;
 mod tape;

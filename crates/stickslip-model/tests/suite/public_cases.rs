@@ -1,12 +1,14 @@
 //! Published test systems, from files, compared with closed forms, by both methods.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use stickslip::analysis::{AttractorKind, SpectrumOptions, Stop, basin, lyapunov_spectrum};
 use stickslip::{Ending, Options, math};
 use stickslip_model::study::recurrence;
 
-use crate::run::{METHODS, branch, end, failed, options, orbit, simulated, simulated_by, system};
+use crate::run::{
+    METHODS, Run, branch, end, failed, options, orbit, simulated, simulated_by, system,
+};
 
 /// Options with another tolerance.
 fn at(tolerance: f64, method: &str) -> Options {
@@ -136,6 +138,29 @@ fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
             assert!((t - at).abs() < 1e-9, "{method}: {name} at {t}");
         }
         assert!((end(&found, "x") - 0.5).abs() < 1e-9, "{method}");
+    }
+}
+
+/// A block on a belt sticks until it is lifted, where its friction ends at once from 0.3. The instant
+/// is that of the normal force, from any start.
+#[test]
+fn friction_that_ends_with_contact_does_not_end_before() {
+    let text = "name = \"lifted\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
+        boundary = \"v - 0.2\"\nfriction = \"0.3*(1 + belt*(v - 0.2))\"\n\
+        normal_force = \"cos(t)\"\n[field]\nx = \"v\"\nv = \"-x - friction(belt)\"\n\
+        [start]\nx = START\nv = 0.2\n";
+    for start in (0..40).map(|i| -0.3 + 0.003 * f64::from(i)) {
+        let text = text.replace("START", &start.to_string());
+        for (method, tolerance) in METHODS.into_iter().flat_map(|of| [(of, 1e-12), (of, 1e-9)]) {
+            let run = Run::of(system(&text), &at(tolerance, method), Some(2.0));
+            let lost = run.transitions.iter().take(2).map(|at| (at.1, at.0));
+            for ((kind, t), wanted) in lost.zip(["stick exit", "contact loss"]) {
+                assert_eq!(kind, wanted, "{method}, {start}: {:?}", run.transitions);
+                assert!((t - FRAC_PI_2).abs() < 1e-9, "{method}, {start}: {t}");
+            }
+            let touches = run.transitions.iter().any(|at| at.1 == "touch");
+            assert!(run.transitions.len() >= 2 && !touches, "{method}, {start}");
+        }
     }
 }
 

@@ -462,13 +462,37 @@ where
     fn pass_idle(&mut self, integration: &Integration<'a, S, N, G>) {
         while let Some(due) = self.due.front().copied() {
             let x = components(integration.x());
+            let happens = match self.jumps.is_reaction(due.number) {
+                true => self.brings_forward(integration),
+                false => self.jumps.happens(due.number, integration.t(), x),
+            };
             // A zero that comes back before it was left ends an accumulation.
-            if due.is_unresolved || self.jumps.happens(due.number, integration.t(), x) {
+            if due.is_unresolved || happens {
                 return;
             }
             self.due.pop_front();
             self.leave_zero(due.number, due.left, integration);
         }
+    }
+
+    /// Moves the first pending reaction that lets go before all others. Returns whether there is
+    /// one.
+    fn brings_forward(&mut self, integration: &Integration<'a, S, N, G>) -> bool {
+        let lets_go = |due: &PendingJump| self.lets_go(due, integration);
+        let Some(place) = self.due.iter().position(lets_go) else {
+            return false;
+        };
+        let first = self.due.remove(place);
+        first.into_iter().for_each(|due| self.due.push_front(due));
+        true
+    }
+
+    /// Whether a pending jump is that of a reaction that ends at the present state.
+    fn lets_go(&self, due: &PendingJump, integration: &Integration<'a, S, N, G>) -> bool {
+        let (Timed { t, x }, velocity) = (integration.at(), integration.velocity());
+        let (at, velocity) = ((t, components(&x)), components(&velocity));
+        let &PendingJump { number, left, .. } = due;
+        self.jumps.is_reaction(number) && self.jumps.lets_go(number, at, velocity, left)
     }
 
     /// The next pending jump.
@@ -670,6 +694,7 @@ where
         but: Option<usize>,
     ) -> Result<(), Error> {
         let t = integration.t();
+        let mut closings = Vec::new();
         for number in 0..self.counts.len() {
             if Some(number) == but || self.due.iter().any(|due| due.number == number) {
                 continue;
@@ -700,6 +725,7 @@ where
                     let due = self.closing(number, integration);
                     if !self.due.iter().any(|other| other.number == due) {
                         self.due.push_back(PendingJump::at_once(due));
+                        closings.push(due);
                     }
                 }
                 continue;
@@ -716,6 +742,11 @@ where
             if side * now < 0.0 && self.goes(number, now) {
                 self.due.push_back(PendingJump::at_once(number));
             }
+        }
+        // Whether a gap closes is asked again once all stops have let go.
+        let mut due = self.due.iter();
+        if !closings.is_empty() && due.any(|due| self.lets_go(due, integration)) {
+            self.due.retain(|due| !closings.contains(&due.number));
         }
         Ok(())
     }

@@ -158,6 +158,20 @@ pub trait Jumps<const N: usize> {
         false
     }
 
+    /// Whether a reaction whose jump is due ends, from a moment and state that moves with this
+    /// velocity. Where several vanish or pull in one instant, the end of one may let another push
+    /// again. A reaction that is no larger than `left` is at the zero where it was located. By
+    /// default it ends.
+    fn lets_go(
+        &self,
+        _jump: usize,
+        _at: (f64, &[f64; N]),
+        _velocity: &[f64; N],
+        _left: f64,
+    ) -> bool {
+        true
+    }
+
     /// Whether a component of the state takes discrete values, which jumps set. Tangent vectors
     /// have no component along it.
     fn is_discrete(&self, _state: usize) -> bool {

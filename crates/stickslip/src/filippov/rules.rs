@@ -9,7 +9,7 @@
 //! field leads back. The state then rests on that side.
 
 use super::flow::{GUARDS, flow_path, normal_component, seeded};
-use super::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING};
+use super::uncertainty::{RELATIVE_ROUNDING, STATE_ROUNDING, on_one_side};
 use crate::dual::{Dual, Dual3};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
@@ -91,13 +91,32 @@ impl LieDerivatives {
             } else {
                 (t.abs(), 0.0)
             };
-            let (dual_t, dual_x) = seeded(&Timed { t, x: *x }, direction);
-            let functions = path(dual_t, &dual_x);
+            let of = |x: State<N>| {
+                let (dual_t, dual_x) = seeded(&Timed { t, x }, direction);
+                path(dual_t, &dual_x).map(|h| [h.re, h.v1, h.v2, h.v3])
+            };
+            let functions = of(*x);
+            let is_steep = |one: &Dual<f64>| direction < N && one.eps.is_infinite();
+            let beside = functions.iter().flatten().any(is_steep).then(|| {
+                [slack, -slack].map(|slack| {
+                    let mut there = *x;
+                    there[direction] += slack;
+                    of(there)
+                })
+            });
             for (i, h) in functions.iter().enumerate() {
-                for (k, derivative) in [h.re, h.v1, h.v2, h.v3].into_iter().enumerate() {
+                for (k, derivative) in h.iter().enumerate() {
                     values[i][k] = derivative.re;
-                    spread[i][k] += derivative.eps.abs() * size;
-                    shift[i][k] += derivative.eps.abs() * slack;
+                    match beside.filter(|_| is_steep(derivative)) {
+                        Some(beside) => {
+                            shift[i][k] +=
+                                on_one_side(|side| beside[side][i][k].re - derivative.re);
+                        }
+                        None => {
+                            spread[i][k] += derivative.eps.abs() * size;
+                            shift[i][k] += derivative.eps.abs() * slack;
+                        }
+                    }
                 }
             }
         }
@@ -185,15 +204,15 @@ fn second_derivative<S: Filippov<N>, T: Scalar, const N: usize>(
     (rate.eps, f)
 }
 
-/// The second Lie derivative where the first vanishes, of the motion along Σ. It is the same, but
-/// for a field that is a root of the distance from Σ: its slope across Σ is infinite.
-#[inline(never)]
-fn second_derivative_along<S: Filippov<N>, T: Scalar, const N: usize>(
+/// The field along Σ: without its component across. For a field that is a root of the distance from
+/// Σ, the slope across is infinite.
+#[inline(always)]
+fn field_along<S: Filippov<N>, T: Scalar, const N: usize>(
     system: &S,
     side: Side,
     t: T,
     x: &[T; N],
-) -> (T, [T; N]) {
+) -> [T; N] {
     let f = system.field(side, t, x);
     let rate = normal_component(system, t, x, &f);
     let normal: [T; N] = std::array::from_fn(|i| {
@@ -204,9 +223,40 @@ fn second_derivative_along<S: Filippov<N>, T: Scalar, const N: usize>(
         system.boundary(Dual::new(t, T::zero()), &along).eps
     });
     let square = normal.iter().fold(T::zero(), |sum, &n| sum + n * n);
-    let flowing = std::array::from_fn(|i| Dual::new(x[i], f[i] - normal[i] * (rate / square)));
+    std::array::from_fn(|i| f[i] - normal[i] * (rate / square))
+}
+
+/// The second Lie derivative where the first vanishes, of the motion along Σ.
+#[inline(never)]
+fn second_derivative_along<S: Filippov<N>, T: Scalar, const N: usize>(
+    system: &S,
+    side: Side,
+    t: T,
+    x: &[T; N],
+) -> (T, [T; N]) {
+    let along = field_along(system, side, t, x);
+    let flowing = std::array::from_fn(|i| Dual::new(x[i], along[i]));
     let rate = first_derivative(system, side, Dual::new(t, T::one()), &flowing).0;
-    (rate.eps, f)
+    (rate.eps, system.field(side, t, x))
+}
+
+/// Lie derivatives where the first vanishes, of the motion along Σ: the normal component is the
+/// first of them.
+#[cold]
+#[inline(never)]
+fn derivatives_along<S: Filippov<N>, const N: usize>(
+    system: &S,
+    side: Side,
+    (t, x): (f64, &State<N>),
+    slack: f64,
+) -> LieDerivatives {
+    let [one] = LieDerivatives::along((t, x, system.dimension()), slack, |t, x| {
+        let (t, x) = flow_path(t, x, |t, x| field_along(system, side, t, x));
+        let rate = first_derivative(system, side, t, &x).0;
+        let height = system.boundary(t, &x);
+        [Dual3::new(height.re, rate.re, rate.v1, rate.v2)]
+    });
+    one
 }
 
 /// A Lie derivative and its rounding, as in [`LieDerivatives`] but at a small part of the cost.
@@ -230,10 +280,12 @@ fn one_derivative<const N: usize>(
         // The slope of a root of the distance is infinite on Σ, and its change over the slack is
         // not.
         if change.is_infinite() {
-            let mut there = *x;
-            there[direction] += slack;
-            let (t, x) = seeded(&Timed { t, x: there }, N);
-            shift += (along(t, &x).0.re - derivative.re).abs();
+            shift += on_one_side(|side| {
+                let mut there = *x;
+                there[direction] += [slack, -slack][side];
+                let (t, x) = seeded(&Timed { t, x: there }, N);
+                along(t, &x).0.re - derivative.re
+            });
             continue;
         }
         spread += change.abs() * x[direction].abs();
@@ -282,10 +334,12 @@ impl LeadingDerivative {
     ) -> Self {
         // Usually the first one decides.
         let (n, at) = (system.dimension() as u64, (t, x, system.dimension()));
+        let mut is_root = false;
         let (first, (value, floor), calls) = if tangent {
             let along = |t, x: &_| second_derivative(system, side, t, x);
             let mut second = one_derivative(at, slack, along);
-            if !second.0.is_finite() {
+            is_root = !second.0.is_finite();
+            if is_root {
                 let along = |t, x: &_| second_derivative_along(system, side, t, x);
                 second = one_derivative(at, slack, along);
             }
@@ -301,7 +355,11 @@ impl LeadingDerivative {
                 calls,
             };
         }
-        let (order, sign) = LieDerivatives::new(system, side, t, x, slack).leading(tangent);
+        let all = match is_root {
+            true => derivatives_along(system, side, (t, x), slack),
+            false => LieDerivatives::new(system, side, t, x, slack),
+        };
+        let (order, sign) = all.leading(tangent);
         LeadingDerivative {
             order,
             sign,

@@ -74,6 +74,17 @@ pub(crate) fn attracts<F: Flow<N>, const N: usize>(
     }
 }
 
+/// Size of a change over an error of one sign or the other, 0 or 1: a root of the distance from a
+/// boundary has values on one side of it alone.
+pub(super) fn on_one_side(change: impl Fn(usize) -> f64) -> f64 {
+    let first = change(0).abs();
+    if first.is_nan() {
+        change(1).abs()
+    } else {
+        first
+    }
+}
+
 /// Uncertainties of all `G` guards at a state.
 pub(crate) fn uncertainties<F: Flow<N>, const N: usize, const G: usize>(
     flow: &F,
@@ -106,16 +117,18 @@ pub(crate) fn propagate<const N: usize, const G: usize>(
         };
         // The slope of a root at zero is infinite, and its change over the error is not.
         let is_steep = |guard: &Dual<f64>| direction < N && guard.eps.is_infinite();
-        let behind = here.iter().any(is_steep).then(|| {
-            let mut there = *at;
-            there.x[direction] += error;
-            let (t, x) = seeded(&there, direction);
-            guards(t, &x)
+        let beside = here.iter().any(is_steep).then(|| {
+            [error, -error].map(|error| {
+                let mut there = *at;
+                there.x[direction] += error;
+                let (t, x) = seeded(&there, direction);
+                guards(t, &x)
+            })
         });
         for (i, (blur, guard)) in blurs.iter_mut().zip(&here).enumerate() {
-            match behind.filter(|_| is_steep(guard)) {
-                Some(behind) => {
-                    let change = (behind[i].re - guard.re).abs();
+            match beside.filter(|_| is_steep(guard)) {
+                Some(beside) => {
+                    let change = on_one_side(|side| beside[side][i].re - guard.re);
                     blur.by_tolerance += change;
                     // Rounding of a state that is zero is none.
                     let rounded = if size == 0.0 { 0.0 } else { change };

@@ -103,14 +103,20 @@ fn what_slides_at_a_root_slides() {
     }
 }
 
-/// A mass under a force `F t`, with friction `mu + k √|v|`.
+/// A mass under a force `t`, with friction `1 + k √|v|`. The distance is an absolute value, or
+/// the velocity times the side, whose root has a value on one side alone.
 struct Pushed {
     k: f64,
+    by_side: bool,
 }
 
 impl Filippov<2> for Pushed {
     fn field<T: Scalar>(&self, side: Side, t: T, x: &[T; 2]) -> [T; 2] {
-        let friction = (x[1].abs().sqrt() * self.k + 1.0) * side.sign();
+        let distance = match self.by_side {
+            true => x[1] * side.sign(),
+            false => x[1].abs(),
+        };
+        let friction = (distance.sqrt() * self.k + 1.0) * side.sign();
         [x[1], t - friction]
     }
     fn boundary<T: Scalar>(&self, _t: T, x: &[T; 2]) -> T {
@@ -121,12 +127,13 @@ impl Filippov<2> for Pushed {
 #[test]
 fn stick_ends_at_a_root_law_as_the_square_of_the_time() {
     // After t = 1 the speed is b τ², with 2 b + k √b = 1, for ever.
-    for k in [0.3, 2.0] {
+    for (k, by_side) in [(0.3, false), (2.0, false), (0.3, true), (2.0, true)] {
         let root = (-k + (k * k + 8.0_f64).sqrt()) / 4.0;
         let b = root * root;
+        let system = Pushed { k, by_side };
         for method in METHODS {
-            let orbit = solve(&Pushed { k }, 0.0, [0.0, 0.0], 3.0, &options(method)).unwrap();
-            assert_eq!(orbit.transitions.len(), 1, "{method:?}, {k}");
+            let orbit = solve(&system, 0.0, [0.0, 0.0], 3.0, &options(method)).unwrap();
+            assert_eq!(orbit.transitions.len(), 1, "{method:?}, {k}, {by_side}");
             let at = &orbit.transitions[0];
             assert_eq!(at.kind, TransitionKind::StickExit);
             assert!((at.t - 1.0).abs() < 1e-11, "{method:?}, {k}: {}", at.t);

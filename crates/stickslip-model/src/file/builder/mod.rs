@@ -278,10 +278,20 @@ impl<'a> Builder<'a> {
                     let contact = &self.file.contacts[number].name;
                     let message =
                         format!("`{name}` is known along an orbit alone, where its mode is known");
-                    let help = format!(
-                        "in rates and laws it is friction({contact}); a fit observes it where \
-                         there is one contact"
-                    );
+                    let contacts = self.file.contacts.iter();
+                    let laws = contacts.flat_map(|one| [&one.friction, &one.holding]);
+                    let is_of_law =
+                        { laws.flatten() }.any(|law| law.whole().contains(&place.start));
+                    let help = match is_of_law {
+                        true => "a law follows the reaction of a stop: what presses the contact \
+                                 is [stops.NAME], with friction = \"mu*NAME.force\"; the forces \
+                                 of two contacts do not add where both stick"
+                            .to_owned(),
+                        false => format!(
+                            "in rates it is friction({contact}); a fit observes it where there is \
+                             one contact"
+                        ),
+                    };
                     Err(Problem::new(message, place).help(help))
                 }
             },

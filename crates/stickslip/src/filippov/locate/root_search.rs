@@ -53,6 +53,10 @@ impl<F: Flow<N>, const N: usize> DenseGuard<'_, F, N> {
                 && there.guard.abs() >= here.guard.abs();
             (s, here) = (next, there);
             if stalled {
+                // Across a jump, the two places are on its two sides.
+                if here.guard > 0.0 {
+                    a = s;
+                }
                 break;
             }
         }
