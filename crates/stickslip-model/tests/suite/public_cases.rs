@@ -141,8 +141,8 @@ fn a_law_that_does_not_vanish_with_the_normal_force_ends_with_it() {
     }
 }
 
-/// A block on a belt sticks until it is lifted, where its friction ends at once from 0.3. The instant
-/// is that of the normal force, from any start.
+/// A block on a belt sticks until it is lifted, where its friction ends at once from 0.3. The
+/// instant is that of the normal force, from any start.
 #[test]
 fn friction_that_ends_with_contact_does_not_end_before() {
     let text = "name = \"lifted\"\n[states]\nx = \"\"\nv = \"\"\n[contacts.belt]\n\
