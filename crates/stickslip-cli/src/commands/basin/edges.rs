@@ -61,7 +61,7 @@ impl EdgeShown {
 /// Computes an edge state of each pair of attractors, and reports them. Returns what the figure
 /// shows.
 pub(super) fn edges(of: &Measured<'_>, report: &mut Report) -> Result<Vec<EdgeShown>, Failure> {
-    let states = states_of(of);
+    let states = states_of(of)?;
     let pairs = states.iter().enumerate().flat_map(|(k, one)| {
         let others = states[k + 1..].iter();
         others.map(move |other| (one, other))

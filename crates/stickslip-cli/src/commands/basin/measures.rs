@@ -171,15 +171,19 @@ pub(super) fn name_of((number, motion): (Option<usize>, &'static str)) -> String
 
 /// The numbers of the attractors, with a state of each at time 0. Orbits are followed only to the
 /// neighbourhood of an equilibrium, whose point is more accurate.
-pub(super) fn states_of(of: &Measured<'_>) -> Vec<(usize, Vector)> {
-    let each = of.attractors.iter().filter_map(|one| {
-        let state = match one.reached.kind {
-            AttractorKind::Equilibrium => &one.reached.points.first()?.x,
-            _ => one.reached.next_start(&of.settings)?,
+pub(super) fn states_of(of: &Measured<'_>) -> Result<Vec<(usize, Vector)>, Failure> {
+    let (dynamics, mut states) = (of.system.dynamics(), Vec::new());
+    for one in of.attractors {
+        let Some(number) = one.number else { continue };
+        let reached = one.reached.settled(dynamics, &of.settings, &of.options);
+        let reached = reached.map_err(|error| Failure::from(error).of(of.system))?;
+        let state = match reached.kind {
+            AttractorKind::Equilibrium => reached.points.first().map(|point| &point.x),
+            _ => reached.next_start(&of.settings),
         };
-        Some((one.number?, state.clone()))
-    });
-    each.collect()
+        states.extend(state.map(|x| (number, x.clone())));
+    }
+    Ok(states)
 }
 
 fn entropy(

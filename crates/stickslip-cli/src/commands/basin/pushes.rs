@@ -117,7 +117,7 @@ pub(super) fn pushes(
     of: &Measured<'_>,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let cases = states_of(of).into_iter().flat_map(|(attractor, from)| {
+    let cases = states_of(of)?.into_iter().flat_map(|(attractor, from)| {
         let each = directions.iter();
         each.map(move |direction| (attractor, from.clone(), direction))
     });

@@ -1,5 +1,7 @@
 //! The time in which an orbit returns to its attractor.
 
+use std::collections::VecDeque;
+
 use numerics::bisect;
 
 use crate::analysis::attractors::{
@@ -19,7 +21,8 @@ const PARTS: usize = 8;
 /// within: near one, distances may grow so many times before they decay. Chosen.
 const STAYS_WITHIN: f64 = 1e-3;
 
-/// Part of the tolerance by which chords may miss the curve of a periodic orbit. Chosen.
+/// Part of the tolerance by which chords may miss the curve of a periodic orbit. Parabolas over them
+/// miss it by far less. Chosen.
 const CHORD_ERROR: f64 = 0.05;
 
 /// Largest number of chords of a periodic orbit, which bounds time and memory.
@@ -69,15 +72,25 @@ impl Attractor {
         options: &Options,
     ) -> Result<Option<f64>, Error> {
         let is_allowed = tolerance > 0.0 && tolerance.is_finite();
-        require(is_allowed, "tolerance", tolerance, "positive and finite")?;
+        require(
+            is_allowed,
+            "return_within",
+            tolerance,
+            "positive and finite",
+        )?;
+        let settled = match &self.kind {
+            AttractorKind::Periodic { .. } => Some(self.settled(system, settings, options)?),
+            _ => None,
+        };
+        let reached = settled.as_ref().unwrap_or(self);
         let (system, start) = (&*system.dynamics(), x0.vector());
         let start = Moment { t: 0.0, x: start };
-        match (&self.kind, settings.forcing, self.points.first()) {
+        match (&reached.kind, settings.forcing, reached.points.first()) {
             (AttractorKind::Periodic { returns, .. }, Some(period), Some(_)) => {
                 let returns = *returns;
                 let near = |at: &Moment| {
                     let number = (at.t / period).round() as usize;
-                    let same_phase = self.points.iter().find(|point| {
+                    let same_phase = reached.points.iter().find(|point| {
                         (point.t / period).round() as usize % returns == number % returns
                     });
                     same_phase.is_some_and(|point| (&at.x - &point.x).norm() <= tolerance)
@@ -85,7 +98,7 @@ impl Attractor {
                 at_strobes(system, &start, (period, returns), near, settings, options)
             }
             (AttractorKind::Periodic { period, .. }, None, Some(_)) => {
-                let cycle = Chords::of(system, self, *period, tolerance, options)?;
+                let cycle = Chords::of(system, reached, *period, tolerance, options)?;
                 let stays = |_: f64, since: f64| since >= *period;
                 let distance = |x: &Vector| cycle.distance(x);
                 in_time(
@@ -113,6 +126,62 @@ impl Attractor {
             }
             _ => Ok(None),
         }
+    }
+
+    /// The same periodic orbit, with state and section points after as much time again as the run
+    /// took to come to it. What is left of its start has then fallen twice by the same factor, down
+    /// to the error of the solver. Other motions are returned as they are.
+    ///
+    /// # Errors
+    /// Those of [`crate::Integration::step`].
+    pub fn settled<Kind>(
+        &self,
+        system: &impl AsDynamics<Kind>,
+        settings: &RecurrenceSettings,
+        options: &Options,
+    ) -> Result<Attractor, Error> {
+        let mut settled = self.clone();
+        let AttractorKind::Periodic { period, .. } = self.kind else {
+            return Ok(settled);
+        };
+        let at = Moment {
+            t: self.t,
+            x: self.x.clone(),
+        };
+        let count = self.points.len();
+        let (sections, step, t_end) = match settings.forcing {
+            Some(forcing) => {
+                let strobe = Section::Strobe {
+                    first: 0.0,
+                    period: forcing,
+                };
+                let periods = (self.t / forcing).ceil() + count as f64 + 0.5;
+                (vec![strobe], 0.5 * forcing, self.t + periods * forcing)
+            }
+            None => (Vec::new(), f64::INFINITY, 2.0 * self.t + period),
+        };
+        // A step must not pass over two strobe times.
+        let options = options.longest_step(options.longest_step.min(step));
+        let dynamics = system.dynamics();
+        let mut orbit = dynamics.begin(&at, t_end, &options, &sections)?;
+        let mut points = VecDeque::new();
+        let end = loop {
+            match orbit.step()? {
+                OrbitProgress::Passage(at) => {
+                    points.push_back(at.moment());
+                    if points.len() > count {
+                        points.pop_front();
+                    }
+                }
+                OrbitProgress::End(end) => break end,
+                _ => {}
+            }
+        };
+        if points.len() == count {
+            settled.points = points.into();
+        }
+        (settled.t, settled.x) = (end.t, end.x);
+        Ok(settled)
     }
 }
 
@@ -210,10 +279,48 @@ fn state_in(step: &Step, solution: &Solution, t: f64) -> Vector {
     }
 }
 
+/// A part of a curve between two points.
+struct Chord {
+    from: Vector,
+    to: Vector,
+    /// The curve's distance from the middle of the chord, as of a parabola.
+    sagitta: Vector,
+}
+
+impl Chord {
+    /// The part of a curve through a point between two others.
+    fn through(from: Vector, middle: Option<&Vector>, to: Vector) -> Self {
+        let sagitta = middle.map_or_else(
+            || Vector::zeros(from.len()),
+            |middle| {
+                let part = part_along(middle, (&from, &to));
+                let off = middle - &from - (&to - &from) * part;
+                match 4.0 * part * (1.0 - part) {
+                    // The middle in time is nearly that of the chord.
+                    height if height > 0.5 => off / height,
+                    _ => off * 0.0,
+                }
+            },
+        );
+        Chord { from, to, sagitta }
+    }
+
+    fn distance(&self, x: &Vector) -> f64 {
+        let part = part_along(x, (&self.from, &self.to));
+        let height = 4.0 * part * (1.0 - part);
+        let ends = self.from.iter().zip(&self.to).zip(&self.sagitta);
+        let off = ends.zip(x).map(|(((a, b), rise), x)| {
+            let off = x - a - part * (b - a) - height * rise;
+            off * off
+        });
+        off.sum::<f64>().sqrt()
+    }
+}
+
 /// The curve of a periodic orbit, as chords.
 struct Chords {
-    /// Both ends of each chord. None spans a jump.
-    chords: Vec<(Vector, Vector)>,
+    /// None spans a jump.
+    chords: Vec<Chord>,
 }
 
 impl Chords {
@@ -245,7 +352,7 @@ impl Chords {
                     }
                     let bound = "so large that 200000 chords describe the periodic orbit";
                     let is_allowed = cycle.chords.len() <= MOST_CHORDS;
-                    require(is_allowed, "tolerance", tolerance, bound)?;
+                    require(is_allowed, "return_within", tolerance, bound)?;
                 }
                 OrbitProgress::End(_) => return Ok(cycle),
                 _ => {}
@@ -262,35 +369,40 @@ impl Chords {
     ) {
         let t = 0.5 * (from.0 + to.0);
         let is_between = from.0 < t && t < to.0;
-        if is_between && self.chords.len() <= MOST_CHORDS {
-            let middle = solution(t);
-            if to_chord(&middle, &(from.1.clone(), to.1.clone())) > allowed {
-                self.add((from, (t, middle.clone())), solution, allowed);
-                self.add(((t, middle), to), solution, allowed);
-                return;
-            }
+        let middle = (is_between && self.chords.len() <= MOST_CHORDS).then(|| solution(t));
+        if let Some(middle) = &middle
+            && to_chord(middle, &(from.1.clone(), to.1.clone())) > allowed
+        {
+            self.add((from, (t, middle.clone())), solution, allowed);
+            self.add(((t, middle.clone()), to), solution, allowed);
+            return;
         }
-        self.chords.push((from.1, to.1));
+        self.chords
+            .push(Chord::through(from.1, middle.as_ref(), to.1));
     }
 
     fn distance(&self, x: &Vector) -> f64 {
-        let each = self.chords.iter().map(|chord| to_chord(x, chord));
+        let each = self.chords.iter().map(|chord| chord.distance(x));
         each.fold(f64::INFINITY, f64::min)
     }
 }
 
-/// Distance from a point to a chord.
-pub(super) fn to_chord(x: &Vector, (from, to): &(Vector, Vector)) -> f64 {
+/// The part of a chord at which it is nearest to a point.
+fn part_along(x: &Vector, (from, to): (&Vector, &Vector)) -> f64 {
     let (mut square, mut along) = (0.0, 0.0);
     for ((a, b), x) in from.iter().zip(to.iter()).zip(x.iter()) {
         square += (b - a) * (b - a);
         along += (b - a) * (x - a);
     }
-    let part = if square > 0.0 {
-        (along / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
+    match square > 0.0 {
+        true => (along / square).clamp(0.0, 1.0),
+        false => 0.0,
+    }
+}
+
+/// Distance from a point to a chord.
+pub(super) fn to_chord(x: &Vector, (from, to): &(Vector, Vector)) -> f64 {
+    let part = part_along(x, (from, to));
     let mut distance = 0.0;
     for ((a, b), x) in from.iter().zip(to.iter()).zip(x.iter()) {
         let off = x - a - part * (b - a);

@@ -56,7 +56,7 @@ fn times_to_return_are_those_of_closed_forms() {
     // A cycle: r² = 1/(1 + (1/r0² - 1) exp(-2t)).
     let rate = |own: &str, other: &str| format!("{own}*(1 - x^2 - y^2) {other}");
     let cycle = system(&[("x", &rate("x", "- y")), ("y", &rate("y", "+ x"))], 0.0);
-    for (r0, tolerance) in [(3.0, 1e-3), (0.1, 1e-3), (2.0, 1e-5)] {
+    for (r0, tolerance) in [(3.0, 1e-3), (0.1, 1e-3), (2.0, 1e-5), (2.0, 1e-6)] {
         let time = returns(&cycle, &[0.0, r0], tolerance).unwrap();
         let r = if r0 > 1.0 {
             1.0 + tolerance
@@ -64,9 +64,24 @@ fn times_to_return_are_those_of_closed_forms() {
             1.0 - tolerance
         };
         let wanted = 0.5 * math::ln((1.0 / (r0 * r0) - 1.0) / (1.0 / (r * r) - 1.0));
-        // Chords miss the circle by a twentieth of the tolerance.
-        let allowed = 0.05 / 2.0;
+        // A distance error `e` moves the time by `e / (2 tolerance)`: parabolas miss the circle by a
+        // twentieth of the tolerance times the square of their angle.
+        let allowed = 0.05 * 1e-2 + 1e-10 / tolerance;
         assert!((time - wanted).abs() <= allowed, "{r0}: {time} {wanted}");
+    }
+    // A slow one: the attractor is known to far less than what is asked for.
+    let slow = |own: &str, other: &str| format!("0.01*{own}*(1 - x^2 - y^2) {other}");
+    let cycle = system(&[("x", &slow("x", "- y")), ("y", &slow("y", "+ x"))], 0.0);
+    let settings = RecurrenceSettings::within(5000.0);
+    let options = Options::tol(1e-12);
+    let reached = attractor(cycle.dynamics(), [1.5, 0.0], &settings, &options).unwrap();
+    for tolerance in [1e-3, 1e-5, 1e-6] {
+        let found =
+            reached.return_time(cycle.dynamics(), [1.5, 0.0], tolerance, &settings, &options);
+        let r = 1.0 + tolerance;
+        let wanted = 50.0 * math::ln((1.0 / 2.25 - 1.0) / (1.0 / (r * r) - 1.0));
+        let off = found.unwrap().unwrap() - wanted;
+        assert!(off.abs() < 0.05, "{tolerance}: {off}");
     }
     // A drive: x - (cos t + sin t)/2 = (x0 - 1/2) exp(-t), at whole periods.
     let driven = system(&[("x", "-x + cos(t)")], 0.0);
@@ -75,6 +90,10 @@ fn times_to_return_are_those_of_closed_forms() {
         let time = returns(&driven, &[x0], 1e-4).unwrap();
         assert!((time - wanted).abs() < 1e-9, "{x0}: {time} {wanted}");
     }
+    // Below what the run that found the attractor knew of it.
+    let wanted = (math::ln(5.0 / 1e-9) / TAU).ceil() * TAU;
+    let time = returns(&driven, &[5.5], 1e-9).unwrap();
+    assert!((time - wanted).abs() < 1e-9, "{time} {wanted}");
 }
 
 /// A block with constant friction and no spring loses all of its speed in a finite time.
@@ -111,7 +130,7 @@ fn motion_that_is_not_periodic_has_no_time_to_return() {
     assert!(matches!(
         error,
         Err(Error::Option {
-            name: "tolerance",
+            name: "return_within",
             ..
         })
     ));
