@@ -68,7 +68,7 @@ fn up_and_down_show_the_hysteresis() {
         let mut rows = rows.records().map(Result::unwrap);
         let row = rows.find(|row| &row[0] == way && &row[4] == what).unwrap();
         let number = |k: usize| row[k].parse::<f64>().unwrap_or(f64::NAN);
-        (number(1), number(6), row[7].to_owned())
+        (number(1), number(6), row[8].to_owned())
     };
     let (lower, ..) = change("down", "Hopf bifurcation of the equilibrium");
     assert!((lower - born).abs() < 1e-12, "{lower}");
