@@ -222,3 +222,32 @@ fn blocks_in_corners_stay_there_and_lose_energy() {
         assert!(apart < 1e-7, "{number}, {set:?}: {ends:?}\n{text}");
     }
 }
+
+/// A block rests in a corner and sticks to both of its sides. The wall lets go where the force
+/// turns, and its friction, which holds nothing, vanishes and changes its sign there.
+#[test]
+fn a_stop_lets_go_beside_another_contact_that_holds() {
+    let text = "name = \"corner\"\n[time]\nend = 15\n[states]\nx = \"\"\ny = \"\"\nv = \"\"\n\
+                u = \"\"\n[stops.wall]\ngap = \"0.5 - x\"\nacts = { v = \"-1\" }\n\
+                restitution = 0.6\n[stops.floor]\ngap = \"y\"\nacts = { u = \"1\" }\n\
+                restitution = 0.5\n[contacts.sole]\nboundary = \"v\"\n\
+                friction = \"0.2*floor.force\"\n[contacts.side]\nboundary = \"u\"\n\
+                friction = \"0.3*wall.force\"\n[field]\nx = \"v\"\ny = \"u\"\n\
+                v = \"0.5*sin(0.3*t) - friction(sole)\"\nu = \"-1 - friction(side)\"\n\
+                [start]\nx = 0\ny = 1\nv = 0\nu = 0\n";
+    for method in METHODS {
+        let run = Run::of(system(text), &options(method), None);
+        let times = |kind: &str, name: &str| -> Vec<f64> {
+            let all = run.transitions.iter();
+            let own = all.filter(|(_, of, contact)| *of == kind && contact == name);
+            own.map(|(t, ..)| *t).collect()
+        };
+        let lifts = times("jump", "wall.lift-off");
+        let off = lifts[0] - PI / 0.3;
+        assert!(off.abs() < 1e-9, "{method}: {off:e}");
+        // The floor bears 1, and lets go where 0.5 sin(0.3 t) = -0.2.
+        let exits = times("stick exit", "sole");
+        let off = exits[exits.len() - 1] - (PI + math::atan(0.4 / 0.84_f64.sqrt())) / 0.3;
+        assert!(off.abs() < 1e-9, "{method}: {off:e}");
+    }
+}

@@ -144,6 +144,10 @@ pub trait Flow<const N: usize> {
     /// and zero without one. Where it is negative, the fields lead apart, and the guards may be
     /// positive again. With several, it is so if the others are held.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
+    /// Whether the friction of one of several holding contacts has opposite signs at two places.
+    fn friction_reverses(&self, _from: &Timed<N>, _at: &Timed<N>) -> bool {
+        false
+    }
     /// Whether all guards may stay positive at a two-fold, as where several contacts hold.
     fn may_hide_two_fold(&self) -> bool {
         false
@@ -331,6 +335,10 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
     #[inline(never)]
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T {
         self.0.attraction(t, x)
+    }
+
+    fn friction_reverses(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
+        self.0.friction_reverses(from, at)
     }
 
     fn may_hide_two_fold(&self) -> bool {

@@ -231,7 +231,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
                 t: self.at.t + h,
                 x: step.end,
             };
-            !flow.may_hide_two_fold() || attracts(flow, &at, &self.options)
+            !flow.may_hide_two_fold() || attracts(flow, (&self.at, &at), &self.options)
         };
         is_finite && flow.are_clear(times, &states) == [true; G] && leads_back()
     }
@@ -266,7 +266,7 @@ impl<const N: usize, const G: usize> StepState<N, G> {
                 Some(Event { at, .. }) => (at.t, at.x),
                 None => (origin.t + origin.h, dense.at(1.0)),
             };
-            attracts(origin.flow, &Timed { t, x }, &self.options)
+            attracts(origin.flow, (&self.at, &Timed { t, x }), &self.options)
         };
         match first {
             None if is_undefined => Err(Undefined),

@@ -60,14 +60,16 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
 }
 
 /// Whether both sides of the boundary along which a mode slides lead towards it, to within the
-/// precision of an event. A slide cannot pass a two-fold, behind which they lead apart.
+/// precision of an event, in a step from a place to another. A slide cannot pass a two-fold, behind
+/// which they lead apart. It may where friction itself changes its sign, with a normal force: what
+/// that force does there ends the mode.
 pub(crate) fn attracts<F: Flow<N>, const N: usize>(
     flow: &F,
-    at: &Timed<N>,
+    (from, at): (&Timed<N>, &Timed<N>),
     options: &Options,
 ) -> bool {
     let attraction: f64 = flow.attraction(at.t, components(&at.x));
-    attraction >= 0.0 || {
+    attraction >= 0.0 || flow.friction_reverses(from, at) || {
         let of = (flow.dimension(), &options.tolerance());
         let [blur] = propagate(at, of, |t, x| [flow.attraction(t, x)]);
         attraction >= -blur.zero()

@@ -496,6 +496,17 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
+/// Whether the line between two effects of friction passes zero, up to a part of the longer one. It
+/// is chosen: where fields are tangent to a boundary and differ along it, it passes at a distance.
+fn passes_zero<const N: usize>(from: &[f64; N], to: &[f64; N]) -> bool {
+    const PART: f64 = 1e-3;
+    let dot = |a: &[f64; N], b: &[f64; N]| (0..N).fold(0.0, |sum, i| sum + a[i] * b[i]);
+    let (squares, along) = ([dot(from, from), dot(to, to)], dot(from, to));
+    let between = squares[0] + squares[1] - 2.0 * along;
+    let longer = squares[0].max(squares[1]);
+    along < 0.0 && squares[0] * squares[1] - along * along <= PART * PART * between * longer
+}
+
 fn diagonal<T: Scalar, const M: usize>(matrix: &[[T; M]; M]) -> [T; M] {
     std::array::from_fn(|k| matrix[k][k])
 }
@@ -572,6 +583,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<
             self.combination(t, x).stick_guard(self.index_among_held(i))
         } else {
             self.slip_guard(i, &self.system.boundaries(t, x))
+        }
+    }
+
+    fn friction_reverses(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
+        self.count > 1 && {
+            let [one, other] = [from, at].map(|at| self.affine(at.t, components(&at.x)).changes);
+            (0..self.count).any(|k| passes_zero(&one[k], &other[k]))
         }
     }
 

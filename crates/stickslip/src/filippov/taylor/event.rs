@@ -264,7 +264,7 @@ impl<const N: usize, const G: usize> TaylorStepper<N, G> {
         let at = first.as_ref().map_or(end, |first| &first.event.at);
         let is_searched = self.expansion.watched.iter().any(Option::is_some);
         let is_possible = is_searched || flow.may_hide_two_fold();
-        match is_possible && !attracts(flow, at, &run.options) {
+        match is_possible && !attracts(flow, (&run.at, at), &run.options) {
             true => Err(Undefined),
             false => Ok(first),
         }
