@@ -140,9 +140,9 @@ pub trait Flow<const N: usize> {
     fn field<T: Scalar>(&self, t: T, x: &[T; N]) -> [T; N];
     /// Guard `i`: positive while the mode holds, zero where it ends.
     fn guard<T: Scalar>(&self, i: usize, t: T, x: &[T; N]) -> T;
-    /// Positive where the fields of both sides lead towards the boundary along which the mode slides,
-    /// and zero without one. Where it is negative, the fields lead apart, and the guards may be
-    /// positive again. With several, it is so if the others are held.
+    /// Positive where the fields of both sides lead towards the boundary along which the mode
+    /// slides, and zero without one. Where it is negative, the fields lead apart, and the guards
+    /// may be positive again. With several, it is so if the others are held.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
     /// Whether the friction of one of several holding contacts has opposite signs at two places.
     fn friction_reverses(&self, _from: &Timed<N>, _at: &Timed<N>) -> bool {

@@ -21,8 +21,8 @@ const PARTS: usize = 8;
 /// within: near one, distances may grow so many times before they decay. Chosen.
 const STAYS_WITHIN: f64 = 1e-3;
 
-/// Part of the tolerance by which chords may miss the curve of a periodic orbit. Parabolas over them
-/// miss it by far less. Chosen.
+/// Part of the tolerance by which chords may miss the curve of a periodic orbit. Parabolas over
+/// them miss it by far less. Chosen.
 const CHORD_ERROR: f64 = 0.05;
 
 /// Largest number of chords of a periodic orbit, which bounds time and memory.

@@ -137,8 +137,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     }
 
     /// Compares what [`Decision::complement_by_release`] has decided with the other motions that
-    /// static and kinetic friction allow. A contact that can stick does. A contact that stuck before
-    /// goes on to, if some motion lets all of those stick that did.
+    /// static and kinetic friction allow. A contact that can stick does. One that stuck before goes
+    /// on to, if some motion lets all of those stick that did.
     ///
     /// # Errors
     /// [`ContactFault::NoUniqueMode`] where several motions remain, and
@@ -229,7 +229,7 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
         slipping.any(|&i| self.agrees(decided, &with(modes, i, Mode::Stick)))
     }
 
-    /// [`Decision::complement`] by static limits of all. Those that slip then are released for good.
+    /// [`Decision::complement`] by static limits of all. Those that slip are released for good.
     fn complement_by_release(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
         while self.open.contains(&true) {
             let mut tried = self.modes;

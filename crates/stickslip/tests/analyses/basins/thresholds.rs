@@ -64,8 +64,8 @@ fn times_to_return_are_those_of_closed_forms() {
             1.0 - tolerance
         };
         let wanted = 0.5 * math::ln((1.0 / (r0 * r0) - 1.0) / (1.0 / (r * r) - 1.0));
-        // A distance error `e` moves the time by `e / (2 tolerance)`: parabolas miss the circle by a
-        // twentieth of the tolerance times the square of their angle.
+        // A distance error `e` moves the time by `e / (2 tolerance)`. Parabolas miss the circle by
+        // a twentieth of the tolerance times the square of their angle.
         let allowed = 0.05 * 1e-2 + 1e-10 / tolerance;
         assert!((time - wanted).abs() <= allowed, "{r0}: {time} {wanted}");
     }
