@@ -144,7 +144,8 @@ pub trait Flow<const N: usize> {
     /// slides, and zero without one. Where it is negative, the fields lead apart, and the guards
     /// may be positive again. With several, it is so if the others are held.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
-    /// Whether the friction of one of several holding contacts has opposite signs at two places.
+    /// Whether the frictions of an odd number of several holding contacts have opposite signs at
+    /// two places, so that [`Flow::attraction`] has.
     fn friction_reverses(&self, _from: &Timed<N>, _at: &Timed<N>) -> bool {
         false
     }

@@ -61,8 +61,8 @@ pub(crate) fn uncertainty<F: Flow<N>, const N: usize>(
 
 /// Whether both sides of the boundary along which a mode slides lead towards it, to within the
 /// precision of an event, in a step from a place to another. A slide cannot pass a two-fold, behind
-/// which they lead apart. It may where friction itself changes its sign, with a normal force: what
-/// that force does there ends the mode.
+/// which they lead apart. A step may where friction itself changes its sign, with a normal force:
+/// what that force does there ends the mode.
 pub(crate) fn attracts<F: Flow<N>, const N: usize>(
     flow: &F,
     (from, at): (&Timed<N>, &Timed<N>),

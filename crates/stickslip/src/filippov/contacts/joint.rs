@@ -589,7 +589,8 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<
     fn friction_reverses(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
         self.count > 1 && {
             let [one, other] = [from, at].map(|at| self.affine(at.t, components(&at.x)).changes);
-            (0..self.count).any(|k| passes_zero(&one[k], &other[k]))
+            let reversing = (0..self.count).filter(|&k| passes_zero(&one[k], &other[k]));
+            reversing.count() % 2 == 1
         }
     }
 
