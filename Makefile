@@ -48,8 +48,8 @@ captions: build-replication ## Captions of Figs. 10-12 moved within their roundi
 fit-coverage: ## How often intervals of fits contain the truth: crates/stickslip-model/examples/fit_coverage
 	$(CARGO) run --locked --release -p stickslip-model --example fit_coverage -- crates/stickslip-model/examples/fit_coverage
 
-shooting: ## 100 chaotic records by multiple and by single shooting; some minutes
-	$(CARGO) test --locked --release -p stickslip-model --test suite -- --ignored --nocapture most_of_100_chaotic
+shooting: ## 100 chaotic records by multiple and by single shooting; some minutes; 90 are missed
+	$(CARGO) test --locked --release -p stickslip-model --test suite -- --ignored --nocapture 90_of_100_chaotic
 
 # Chains of friction, both methods and runs in pieces pass. Of 10,000 chains of stops, 8 end wrong
 # (see docs/explanation/events.md, "Jumps"), and 79 differ by method: 77 of these by an impact

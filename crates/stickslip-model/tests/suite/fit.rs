@@ -1193,14 +1193,14 @@ fn multiple_shooting_finds_chaotic_records() {
     );
 }
 
-/// Some minutes: `make shooting`. The aim is 90, and 73 are found.
+/// Some minutes: `make shooting`. It fails: 73 are found.
 #[test]
 #[ignore = "it takes minutes; make shooting runs it"]
-fn multiple_shooting_finds_most_of_100_chaotic_records() {
+fn multiple_shooting_finds_90_of_100_chaotic_records() {
     let [multiple, single] = found_of_chaotic(100, 50);
     println!("{multiple} and {single} of 100 records");
     assert!(
-        multiple >= 73 && single < 50,
+        multiple >= 90 && single < 50,
         "{multiple} and {single} of 100"
     );
 }

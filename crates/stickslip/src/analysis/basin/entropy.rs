@@ -41,9 +41,9 @@ impl BasinEntropy {
     /// Basin entropy of starts on a regular grid, in boxes of `side` starts along each axis.
     ///
     /// In a box of which the part `p_j` leads to attractor `j`, the entropy is `−Σ p_j ln p_j`.
-    /// `Sb` is its mean over all boxes of a covering, `Sbb` its mean over the boxes with two
-    /// attractors or more (Daza, Wagemakers, Georgeot, Guéry-Odelin & Sanjuán, *Scientific Reports*
-    /// 6 (2016) 31416).
+    /// `Sb` is its mean over all boxes of a covering, `Sbb` that over the boxes with two attractors
+    /// or more. Both are of Daza, Wagemakers, Georgeot, Guéry-Odelin & Sanjuán, *Scientific
+    /// Reports* 6 (2016) 31416.
     ///
     /// The covering begins at the first start. Standard errors are the spread of the values from
     /// coverings that begin elsewhere, at up to eight places along each axis.
@@ -68,8 +68,8 @@ impl BasinEntropy {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Option`] where the shape is not that of the starts, or where `side` is less than 2
-    /// or does not divide each axis into two boxes or more.
+    /// [`Error::Option`] where the shape is not that of the starts. A `side` below 2 is one, too,
+    /// and one that does not divide each axis into two boxes or more.
     pub fn of(reached: &[usize], shape: &[usize], side: usize) -> Result<BasinEntropy, Error> {
         let grid = Grid::new(reached, shape)?;
         let divides = |points: &usize| points.is_multiple_of(side) && points / side >= 2;
