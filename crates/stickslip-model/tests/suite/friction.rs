@@ -279,3 +279,62 @@ fn static_limits_of_coupled_contacts_hold_what_they_can() {
         "{ambiguous} {kept} {torn} {arrivals}"
     );
 }
+
+/// Masses in a row, each on the next. A growing force pulls the last, and all contacts bear it.
+/// With equal limits any of them may slip first. With different ones the weakest does.
+#[test]
+fn limits_that_are_reached_together_have_no_unique_motion() {
+    let row = |limits: &[f64]| {
+        let count = limits.len();
+        let states = (0..count).map(|i| format!("v{i} = \"\"\n"));
+        let contacts = limits.iter().enumerate().map(|(i, limit)| {
+            let boundary = match i {
+                0 => "v0".to_owned(),
+                _ => format!("v{i} - v{}", i - 1),
+            };
+            format!("[contacts.c{i}]\nboundary = \"{boundary}\"\nfriction = 1\nstatic = {limit}\n")
+        });
+        let rates = (0..count).map(|i| {
+            let pull = match i + 1 {
+                next if next < count => format!("friction(c{next})"),
+                _ => "1.49 + 0.1*t".to_owned(),
+            };
+            format!("v{i} = \"{pull} - friction(c{i})\"\n")
+        });
+        let starts = (0..count).map(|i| format!("v{i} = 0\n"));
+        format!(
+            "name = \"row\"\n[time]\nend = 0.5\n[states]\n{}{}[field]\n{}[start]\n{}",
+            states.collect::<String>(),
+            contacts.collect::<String>(),
+            rates.collect::<String>(),
+            starts.collect::<String>()
+        )
+    };
+    let run = |limits: &[f64], method| {
+        Run::of(
+            crate::run::system(&row(limits)),
+            &crate::run::options(method),
+            None,
+        )
+    };
+    for method in crate::run::METHODS {
+        for count in [2, 3, 5] {
+            let tied = run(&vec![1.5; count], method).ended;
+            let Err(Error::Contacts { t, fault, .. }) = &tied else {
+                panic!("{method} {count}: {tied:?}");
+            };
+            assert!(
+                matches!(fault, ContactFault::NoUniqueMode { .. }),
+                "{fault:?}"
+            );
+            assert!((t - 0.1).abs() < 1e-9, "{t}");
+        }
+        // The last is the weakest: it slips alone, at 1.499.
+        let apart = run(&[1.5, 1.5, 1.499], method);
+        let exits: Vec<_> = apart.transitions.iter().collect();
+        let [(t, "stick exit", contact)] = exits[..] else {
+            panic!("{exits:?}");
+        };
+        assert!((t - 0.09).abs() < 1e-9 && contact == "c2", "{t} {contact}");
+    }
+}

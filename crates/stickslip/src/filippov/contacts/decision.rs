@@ -128,81 +128,86 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Decision<'_, S, N, M> {
     fn complement(&mut self, run: &mut StepState<N, M>) -> Result<(), Error> {
         let open = self.open;
         self.complement_by_release(run)?;
+        if !self.system.has_static_friction() {
+            return Ok(());
+        }
         let with_limits = |&i: &usize| open[i] && self.can_hold(i);
         let decided: Vec<usize> = (0..self.system.contacts()).filter(with_limits).collect();
-        match decided.len() > 1 && self.system.has_static_friction() {
-            true => self.weigh_static_limits(&decided, run),
-            false => Ok(()),
-        }
+        let groups = self.coupled(&decided);
+        { groups.iter() }.try_for_each(|group| self.weigh_static_limits(group, run))
     }
 
-    /// Compares what [`Decision::complement_by_release`] has decided with the other motions that
-    /// static and kinetic friction allow. A contact that can stick does. Contacts that stuck
-    /// before keep sticking if some motion lets all of them.
+    /// Groups of contacts, such that the friction of none acts on one of another group.
+    fn coupled(&self, contacts: &[usize]) -> Vec<Vec<usize>> {
+        let joint = self.corners_of(contacts);
+        let slopes = joint.affine(self.at.t, components(&self.at.x)).slopes;
+        let adds = S::MULTI_AFFINE || self.system.frictions_add();
+        let acts = |(a, i): (usize, usize), (b, j): (usize, usize)| {
+            !adds || slopes[i][b] != 0.0 || slopes[j][a] != 0.0
+        };
+        let mut groups: Vec<Vec<(usize, usize)>> = Vec::new();
+        for one in contacts.iter().copied().enumerate() {
+            let is_coupled = |group: &mut Vec<(usize, usize)>| {
+                let mut members = group.iter();
+                members.any(|other| acts(one, *other))
+            };
+            let joined: Vec<_> = groups.extract_if(.., is_coupled).flatten().collect();
+            groups.push(joined.into_iter().chain([one]).collect());
+        }
+        let contacts_of = |group: Vec<(usize, usize)>| group.into_iter().map(|(_, i)| i).collect();
+        groups.into_iter().map(contacts_of).collect()
+    }
+
+    /// Compares what [`Decision::complement_by_release`] has decided of coupled contacts with all
+    /// motions that static and kinetic friction allow. A contact that can stick does. Contacts that
+    /// stuck before keep sticking if some motion lets all of them.
     ///
     /// # Errors
     /// [`ContactFault::NoUniqueMode`] where several motions remain, and
     /// [`ContactFault::TooManyContacts`] where they are too many to try.
     fn weigh_static_limits(
         &mut self,
-        decided: &[usize],
+        group: &[usize],
         run: &mut StepState<N, M>,
     ) -> Result<(), Error> {
-        let slips = |&i: &usize| self.modes[i] != Mode::Stick && self.has_static_friction(i);
-        let slipping: Vec<usize> = decided.iter().copied().filter(slips).collect();
-        if slipping.is_empty() {
+        let slips = |&&i: &&usize| self.modes[i] != Mode::Stick && self.has_static_friction(i);
+        if group.len() < 2 || group.iter().find(slips).is_none() {
             return Ok(());
         }
         let stuck = |&i: &usize| self.before[i] == Mode::Stick;
-        let (kept, others): (Vec<usize>, Vec<usize>) = decided.iter().copied().partition(stuck);
-        let mut modes = self.modes;
-        for &i in &kept {
-            modes[i] = Mode::Stick;
-        }
-        let choices = [(modes, others), (self.modes, decided.to_vec())];
-        // Contacts whose motions are all tried where nothing else tells them apart. Chosen: a start
-        // tries at most 729.
-        const MOST_AT_ONCE: usize = 6;
-        let lets_go = slipping.iter().any(|i| kept.contains(i));
-        let is_torn = slipping.iter().any(|&i| {
-            run.counters.field_calls += M as u64;
-            self.agrees(decided, &with(&self.modes, i, Mode::Stick))
-        });
-        for (number, (modes, free)) in choices.into_iter().enumerate() {
-            let is_asked = match number {
-                0 => lets_go || is_torn && !kept.is_empty(),
-                _ => is_torn || (kept.is_empty() || lets_go) && free.len() <= MOST_AT_ONCE,
-            };
-            if !is_asked {
-                continue;
-            }
-            let Some(found) = combinations(free.len(), |outcomes| {
+        let (kept, arrived): (Vec<usize>, Vec<usize>) = group.iter().copied().partition(stuck);
+        let mut holding = self.modes;
+        kept.iter().for_each(|&i| holding[i] = Mode::Stick);
+        for (modes, free) in [(holding, &arrived[..]), (self.modes, group)] {
+            let set = |outcomes: &[Mode; M]| {
                 let mut modes = modes;
-                for (&i, outcome) in free.iter().zip(outcomes) {
-                    modes[i] = *outcome;
-                }
-                self.agrees(decided, &modes) && !self.can_stick_more(decided, &modes)
-            }) else {
-                let contacts = free;
+                free.iter()
+                    .zip(outcomes)
+                    .for_each(|(&i, outcome)| modes[i] = *outcome);
+                modes
+            };
+            run.counters.field_calls += group.len() as u64;
+            let found = combinations(free.len(), |outcomes| {
+                let modes = set(outcomes);
+                self.agrees(group, &modes) && !self.can_stick_more(group, &modes)
+            });
+            let Some(found) = found else {
+                let contacts = free.to_vec();
                 let fault = ContactFault::TooManyContacts { contacts };
                 return Err(Error::at_contacts(&self.at, fault));
             };
             match &found[..] {
                 [] => {}
                 [one] => {
-                    for (&i, outcome) in free.iter().zip(one) {
-                        self.modes[i] = *outcome;
-                    }
-                    for &i in kept.iter().filter(|_| number == 0) {
-                        self.modes[i] = Mode::Stick;
-                    }
+                    self.modes = set(one);
                     return Ok(());
                 }
-                _ => return Err(self.no_unique_mode(&free, &found)),
+                _ => return Err(self.no_unique_mode(free, &found)),
             }
         }
-        match is_torn {
-            true => Err(self.no_unique_mode(decided, &[])),
+        // Rates or loads that are rounding are left to higher derivatives, unless one could stick.
+        match self.can_stick_more(group, &self.modes) {
+            true => Err(self.no_unique_mode(group, &[])),
             false => Ok(()),
         }
     }

@@ -16,7 +16,7 @@ use crate::filippov::switched::{
     Next, PROJECTION_STEPS, StickingPoint, Switched, UseFlow, Vanishes,
 };
 use crate::filippov::two_fold::{two_fold_followed, two_fold_in_stick};
-use crate::filippov::uncertainty::{STATE_ROUNDING, propagate};
+use crate::filippov::uncertainty::{STATE_ROUNDING, propagate, uncertainties};
 use crate::ode::Timed;
 use crate::scalar::Scalar;
 use crate::system::{Mode, Side, State, components};
@@ -182,6 +182,9 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Switched<N, M> for Sever
             released,
         };
         let next = decision.mode(run)?;
+        if released.is_some() {
+            self.check_static_ties(run, from, (contact, &next))?;
+        }
         if let Next::Mode(to, _) = &next {
             *branch = ContactFlow::new(&self.0, to).hold_each_other(&run.at);
         }
@@ -337,6 +340,69 @@ impl<S> Several<S> {
             };
             (shared && leads_there && joint.rests(&run.at, run.slack())).then_some((to, shared))
         })
+    }
+
+    /// Checks that the release of a contact has the same mode after it as that of another one which
+    /// has reached its static limit in the same instant.
+    ///
+    /// # Errors
+    /// [`ContactFault::NoUniqueMode`] where it is not; those of [`Decision::mode`].
+    fn check_static_ties<const N: usize, const M: usize>(
+        &self,
+        run: &mut StepState<N, M>,
+        from: [Mode; M],
+        (contact, next): (usize, &Next<[Mode; M], M>),
+    ) -> Result<(), Error>
+    where
+        S: Contacts<N, M>,
+    {
+        let Next::Mode(to, _) = next else {
+            return Ok(());
+        };
+        if !self.0.has_static_friction() {
+            return Ok(());
+        }
+        let Timed { t, x } = run.at;
+        let joint = ContactFlow::new(&self.0, &from);
+        let guards: [f64; M] = joint.field_and_guards(t, components(&x)).1;
+        let blurs: [_; M] = uncertainties(&joint, &run.at, &run.options.tolerance());
+        for other in (0..M).filter(|&i| i != contact && from[i] == Mode::Stick) {
+            // It slips beside the one that is released, or has not reached its limit.
+            if to[other] != Mode::Stick || guards[other] > blurs[other].zero() {
+                continue;
+            }
+            let mut open = self.at_zero(run, &from);
+            open[other] = false;
+            let mut modes = from;
+            modes[other] = Mode::Slip(joint.nearest_side(other, t, &x));
+            let decision = Decision {
+                system: &self.0,
+                at: run.at,
+                before: from,
+                modes,
+                open,
+                released: Some(other),
+            };
+            if !decision.has_static_friction(other) {
+                continue;
+            }
+            if let Next::Mode(instead, _) = decision.mode(run)?
+                && instead != *to
+            {
+                let contacts = vec![contact, other];
+                let candidates = [to, &instead].map(|modes| {
+                    let of = contacts.iter().map(|&i| modes[i]);
+                    format!("{:?}", of.collect::<Vec<Mode>>())
+                });
+                let candidates = candidates.to_vec();
+                let fault = ContactFault::NoUniqueMode {
+                    contacts,
+                    candidates,
+                };
+                return Err(Error::at_contacts(&run.at, fault));
+            }
+        }
+        Ok(())
     }
 
     /// The contacts at zero: the holding ones, and those whose boundary function is rounding,
