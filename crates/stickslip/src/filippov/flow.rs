@@ -144,9 +144,9 @@ pub trait Flow<const N: usize> {
     /// slides, and zero without one. Where it is negative, the fields lead apart, and the guards
     /// may be positive again. With several, it is so if the others are held.
     fn attraction<T: Scalar>(&self, t: T, x: &[T; N]) -> T;
-    /// Whether the frictions of an odd number of several holding contacts have opposite signs at
-    /// two places, so that [`Flow::attraction`] has.
-    fn friction_reverses(&self, _from: &Timed<N>, _at: &Timed<N>) -> bool {
+    /// Whether the friction of one of several holding contacts is none at a place, beside that at
+    /// another.
+    fn friction_vanishes(&self, _from: &Timed<N>, _at: &Timed<N>) -> bool {
         false
     }
     /// Whether all guards may stay positive at a two-fold, as where several contacts hold.
@@ -338,8 +338,8 @@ impl<F: Flow<N>, const N: usize> Flow<N> for Called<'_, F> {
         self.0.attraction(t, x)
     }
 
-    fn friction_reverses(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
-        self.0.friction_reverses(from, at)
+    fn friction_vanishes(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
+        self.0.friction_vanishes(from, at)
     }
 
     fn may_hide_two_fold(&self) -> bool {

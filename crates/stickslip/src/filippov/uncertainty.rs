@@ -1,5 +1,7 @@
 //! The uncertainty of a guard at a state.
 
+use numerics::bisect;
+
 use super::flow::{Flow, seeded};
 use super::options::Options;
 use crate::dual::Dual;
@@ -68,12 +70,26 @@ pub(crate) fn attracts<F: Flow<N>, const N: usize>(
     (from, at): (&Timed<N>, &Timed<N>),
     options: &Options,
 ) -> bool {
-    let attraction: f64 = flow.attraction(at.t, components(&at.x));
-    attraction >= 0.0 || flow.friction_reverses(from, at) || {
+    let is_within = || {
         let of = (flow.dimension(), &options.tolerance());
         let [blur] = propagate(at, of, |t, x| [flow.attraction(t, x)]);
-        attraction >= -blur.zero()
-    }
+        flow.attraction(at.t, components(&at.x)) >= -blur.zero()
+    };
+    let attraction: f64 = flow.attraction(at.t, components(&at.x));
+    let vanishes_between = || {
+        // From 1 to 2, so that bisection ends after the digits of a double.
+        let between = |place: f64| Timed {
+            t: from.t + (place - 1.0) * (at.t - from.t),
+            x: from.x + (at.x - from.x) * (place - 1.0),
+        };
+        let leads_apart = |place: f64| {
+            let Timed { t, x } = between(place);
+            let attraction: f64 = flow.attraction(t, components(&x));
+            attraction < 0.0
+        };
+        flow.friction_vanishes(from, &between(bisect(1.0, 2.0, leads_apart)))
+    };
+    attraction >= 0.0 || is_within() || flow.may_hide_two_fold() && vanishes_between()
 }
 
 /// Size of a change over an error of one sign or the other, 0 or 1: a root of the distance from a

@@ -496,17 +496,6 @@ impl<'a, S, const M: usize> ContactFlow<'a, S, M> {
     }
 }
 
-/// Whether the line between two effects of friction passes zero, up to a part of the longer one. It
-/// is chosen: where fields are tangent to a boundary and differ along it, it passes at a distance.
-fn passes_zero<const N: usize>(from: &[f64; N], to: &[f64; N]) -> bool {
-    const PART: f64 = 1e-3;
-    let dot = |a: &[f64; N], b: &[f64; N]| (0..N).fold(0.0, |sum, i| sum + a[i] * b[i]);
-    let (squares, along) = ([dot(from, from), dot(to, to)], dot(from, to));
-    let between = squares[0] + squares[1] - 2.0 * along;
-    let longer = squares[0].max(squares[1]);
-    along < 0.0 && squares[0] * squares[1] - along * along <= PART * PART * between * longer
-}
-
 fn diagonal<T: Scalar, const M: usize>(matrix: &[[T; M]; M]) -> [T; M] {
     std::array::from_fn(|k| matrix[k][k])
 }
@@ -586,11 +575,13 @@ impl<S: Contacts<N, M>, const N: usize, const M: usize> Flow<N> for ContactFlow<
         }
     }
 
-    fn friction_reverses(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
+    fn friction_vanishes(&self, from: &Timed<N>, at: &Timed<N>) -> bool {
+        // Half of the digits: the place is a zero to rounding.
+        let part = f64::EPSILON.sqrt();
         self.count > 1 && {
-            let [one, other] = [from, at].map(|at| self.affine(at.t, components(&at.x)).changes);
-            let reversing = (0..self.count).filter(|&k| passes_zero(&one[k], &other[k]));
-            reversing.count() % 2 == 1
+            let [from, here] = [from, at].map(|at| self.affine(at.t, components(&at.x)).changes);
+            let size = |of: &[f64; N]| of.iter().fold(0.0, |size: f64, one| size.max(one.abs()));
+            (0..self.count).any(|k| size(&here[k]) <= part * size(&from[k]))
         }
     }
 
